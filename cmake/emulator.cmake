@@ -4,11 +4,18 @@ set(INFUSE_PROGRAMS ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
 if(CMAKE_CROSSCOMPILING AND CMAKE_CROSSCOMPILING_EMULATOR)
   set(INFUSE_PROGRAMS ${CMAKE_BINARY_DIR}/emulated)
   list(JOIN CMAKE_CROSSCOMPILING_EMULATOR " " emulator)
-  foreach(program infused infuse infuse-simulate infuse-make-capture infuse-send-capture)
-    file(WRITE ${INFUSE_PROGRAMS}/${program}
-      "#!/bin/sh\nexec ${emulator} ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/${program} \"$@\"\n")
-    file(CHMOD ${INFUSE_PROGRAMS}/${program} PERMISSIONS
+  # infuse finds the scripts of its tools in a folder of their own.
+  function(emulate program folder into)
+    file(WRITE ${into}/${program} "#!/bin/sh\nexport INFUSE_EXEC_PATH=${INFUSE_PROGRAMS}/tools\n"
+      "exec ${emulator} ${folder}/${program} \"$@\"\n")
+    file(CHMOD ${into}/${program} PERMISSIONS
       OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+  endfunction()
+  foreach(program infused infuse infuse-simulate infuse-make-capture infuse-send-capture)
+    emulate(${program} ${CMAKE_RUNTIME_OUTPUT_DIRECTORY} ${INFUSE_PROGRAMS})
+  endforeach()
+  foreach(tool align calibrate calibrate-target export fleet import map places)
+    emulate(infuse-${tool} ${CMAKE_BINARY_DIR}/libexec/infuse ${INFUSE_PROGRAMS}/tools)
   endforeach()
   # A test program is asked for its tests when they are run, not after it was linked.
   set(CMAKE_GTEST_DISCOVER_TESTS_DISCOVERY_MODE PRE_TEST)

@@ -1,4 +1,4 @@
-# What is installed beside the programs, and the Debian package that CPack makes of it.
+# What is installed beside the programs, and the Debian packages that CPack makes of it.
 
 set(packaging ${PROJECT_SOURCE_DIR}/packaging)
 
@@ -15,12 +15,16 @@ install(FILES packaging/examples/shuttle.toml packaging/examples/survey_car.toml
   packaging/examples/rig.toml systemd/tap.conf systemd/mqtt.conf systemd/lcm.conf
   DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/infused/examples)
 
-# Three packages: the daemon, the command `infuse`, whose libraries are many, and the simulator. `./dev package` makes
-# the last two of their components.
+# Four packages: the daemon; the command `infuse`; its tools, whose libraries are many; the simulator. `./dev package`
+# makes the last three of their components.
+set(owner COMPONENT owner EXCLUDE_FROM_ALL)
 set(tools COMPONENT tools EXCLUDE_FROM_ALL)
 set(simulator COMPONENT simulator EXCLUDE_FROM_ALL)
 install(TARGETS infused RUNTIME)
-install(TARGETS infuse RUNTIME ${tools})
+install(TARGETS infuse RUNTIME ${owner})
+get_target_property(programs infuse-tools MANUALLY_ADDED_DEPENDENCIES)
+install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/infuse ${tools})
+install(FILES ${packaging}/completion/infuse DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions ${owner})
 
 # Debian wants manuals and the changelog compressed, always to the same bytes.
 function(compress source name)
@@ -48,11 +52,12 @@ install(DIRECTORY packaging/fleet/prometheus packaging/fleet/grafana
   DESTINATION ${CMAKE_INSTALL_DATADIR}/infuse/fleet ${tools})
 
 install_manual(infused 8)
-install_manual(infuse 1 ${tools})
+install_manual(infuse 1 ${owner})
 if(INFUSE_SIMULATOR)
   install_manual(infuse-simulate 1 ${simulator})
 endif()
-compress(${packaging}/debian/changelog changelog)
+configure_file(${packaging}/debian/changelog.in ${CMAKE_BINARY_DIR}/packaging/changelog @ONLY)
+compress(${CMAKE_BINARY_DIR}/packaging/changelog changelog)
 get_property(compressed GLOBAL PROPERTY INFUSE_COMPRESSED)
 add_custom_target(manuals ALL DEPENDS ${compressed})
 
@@ -67,6 +72,7 @@ function(install_package_texts package)
   install(FILES ${overrides} DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides RENAME ${package} ${ARGN})
 endfunction()
 install_package_texts(infused)
+install_package_texts(infuse ${owner})
 install_package_texts(infuse-tools ${tools})
 
 if(INFUSE_SIMULATOR)
@@ -78,6 +84,7 @@ endif()
 file(WRITE ${CMAKE_BINARY_DIR}/packaging/conffiles "/etc/infuse/infused.toml\n")
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME infused)
+set(CPACK_PACKAGE_VERSION ${INFUSE_VERSION})
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_PACKAGE_CONTACT "The infuse authors <infuse@localhost.localdomain>")
 set(CPACK_PACKAGE_VENDOR infuse)
@@ -85,12 +92,12 @@ set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "on-vehicle fusion of lidar, cameras and o
 set(CPACK_DEBIAN_PACKAGE_DESCRIPTION
   "infused takes the raw streams of Velodyne lidars, cameras and the vehicle's
 CAN bus, keeps them on one clock, monitors their health and calibration, and
-publishes reports over a socket. The command that queries it, inspects
-recordings and calibrates is in infuse-tools.")
+publishes reports over a socket. The command that queries and controls it is
+in infuse.")
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "systemd")
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS infuse-tools)
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS infuse)
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "can-utils, v4l-utils")
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${packaging}/debian/postinst ${packaging}/debian/prerm

@@ -114,6 +114,18 @@ function(infuse_program name source)
   target_compile_options(${name} PRIVATE ${INFUSE_COLD_OPTIONS})
 endfunction()
 
+# infuse_tool(calibrate_target DEPENDENCY...): the folder daemon/tools/NAME as a library, and its program, which
+# `infuse NAME` finds in libexec/infuse beside bin.
+set(INFUSE_TOOLS ${CMAKE_BINARY_DIR}/libexec/infuse)
+add_custom_target(infuse-tools)
+function(infuse_tool name)
+  infuse_library(daemon/tools/${name} infuse::daemon_command_line ${ARGN})
+  string(REPLACE "_" "-" program infuse-${name})
+  infuse_program(${program} daemon/tools/infuse_${name}.cpp infuse::daemon_tools_${name})
+  set_target_properties(${program} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${INFUSE_TOOLS})
+  add_dependencies(infuse-tools ${program})
+endfunction()
+
 # Where tests and benchmarks find the source tree and the programs.
 add_library(infuse_test_folders STATIC EXCLUDE_FROM_ALL tests/folders.cpp)
 target_link_libraries(infuse_test_folders PUBLIC infuse::flags)

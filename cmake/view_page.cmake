@@ -1,6 +1,6 @@
-# Puts the files of daemon/view/page, and the charts of daemon/report, into a header.
+# Puts the files of daemon/view/page, and the charts of daemon/pages, into a header.
 set(page ${PROJECT_SOURCE_DIR}/daemon/view/page)
-set(charts ${PROJECT_SOURCE_DIR}/daemon/report/page/charts.js)
+set(charts ${PROJECT_SOURCE_DIR}/daemon/pages/page/charts.js)
 file(READ ${page}/view.html VIEW_PAGE)
 file(READ ${page}/icon.svg VIEW_ICON)
 file(READ ${page}/style.css VIEW_STYLE)

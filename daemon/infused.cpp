@@ -8,13 +8,14 @@
 #include <iostream>
 
 #include "daemon/command_line/arguments.hpp"
+#include "daemon/command_line/version.hpp"
 #include "daemon/config/config.hpp"
-#include "daemon/live/live_setup.hpp"
+#include "daemon/process/logging.hpp"
 #include "daemon/run/daemon_host.hpp"
 #include "daemon/run/release_check.hpp"
 #include "daemon/run/run_live.hpp"
 #include "daemon/run/run_replay.hpp"
-#include "daemon/service/logging.hpp"
+#include "daemon/sensors/live_setup.hpp"
 #include "drivers/measurement/block_sizes.hpp"
 
 namespace infuse::daemon {
@@ -31,7 +32,7 @@ void declare_options(CLI::App& app, RunOptions& options, Checks& checks) {
       "infused: processes lidars, cameras and odometry on the vehicle and publishes sensor "
       "health,\n"
       "calibrations and poses over a socket (see: infuse status, infuse watch).");
-  app.set_version_flag("--version", INFUSE_VERSION);
+  app.set_version_flag("--version", version());
   app.add_option("--config", options.config, "configuration file (TOML)")->type_name("FILE");
   app.add_flag("--check-config", checks.config, "check the configuration and exit");
   app.add_flag("--self-test", checks.self_test,

@@ -5,7 +5,7 @@
 
 #include <utility>
 
-#include "daemon/service/crash_note.hpp"
+#include "daemon/process/crash_note.hpp"
 
 namespace infuse::daemon {
 

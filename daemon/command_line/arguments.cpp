@@ -47,10 +47,10 @@ std::optional<int> parse_arguments(CLI::App& app, int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (const auto wrong = find_wrong_subcommand(app, argc > 1 ? argv[1] : "-")) {
-      return print_error(std::filesystem::path(argv[0]).filename().string(), *wrong, kUsage);
-    }
-    return app.exit(error) == 0 ? kDone : kUsage;
+    if (error.get_exit_code() == 0) return app.exit(error);  // help or version
+    const auto wrong = find_wrong_subcommand(app, argc > 1 ? argv[1] : "-");
+    return print_error(std::filesystem::path(argv[0]).filename().string(),
+                       wrong.value_or(Error{error.what(), "", "--help lists the options"}), kUsage);
   }
   return std::nullopt;
 }

@@ -11,8 +11,8 @@
 namespace infuse::daemon {
 
 /// Parses the command line. Returns the exit code if the program is to end at once: help was
-/// requested or the usage is wrong, and the text has been printed. For a mistyped sub-command the
-/// text suggests the nearest one.
+/// requested or the usage is wrong, and the text has been printed. What is wrong begins with the
+/// program's name; for a mistyped sub-command it suggests the nearest one.
 std::optional<int> parse_arguments(CLI::App& app, int argc, char** argv);
 
 /// Appends examples to the help text of a program or sub-command, one per line.

@@ -5,7 +5,7 @@
 
 #include "daemon/command_line/lidar_problems.hpp"
 #include "daemon/pipeline/fusion_thread.hpp"
-#include "daemon/service/process_times.hpp"
+#include "daemon/process/process_times.hpp"
 #include "drivers/measurement/angles.hpp"
 
 namespace infuse::daemon {

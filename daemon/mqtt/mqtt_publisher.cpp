@@ -17,8 +17,8 @@
 
 #include "daemon/mqtt/mqtt_client.hpp"
 #include "daemon/mqtt/report_topics.hpp"
+#include "daemon/process/crash_note.hpp"
 #include "daemon/protocol/json.hpp"
-#include "daemon/service/crash_note.hpp"
 #include "drivers/text/text_file.hpp"
 
 namespace infuse::daemon {
@@ -38,10 +38,6 @@ milliseconds retry_delay(int attempt, const std::string& vehicle) {
   const milliseconds doubled = kFirstRetry * (1 << std::min(attempt, 6));
   const auto spread = static_cast<int64_t>(std::hash<std::string>{}(vehicle) % 500);
   return std::min(doubled, kLastRetry) * (1000 + spread) / 1000;
-}
-
-std::string status_payload(bool online, uint64_t dropped) {
-  return json_text({{"online", online}, {"dropped", dropped}});
 }
 
 /// The password of `settings`, or an empty text.
@@ -69,8 +65,11 @@ Result<void> check_files(const MqttSettings& settings) {
 /// server that does not answer cannot hold up the end.
 class MqttPublisher::Worker {
  public:
-  Worker(const MqttSettings& settings, std::string password, ReportQueue queue)
-      : settings_(settings), password_(std::move(password)), queue_(std::move(queue)) {
+  Worker(const MqttSettings& settings, std::string password, std::string release, ReportQueue queue)
+      : settings_(settings),
+        password_(std::move(password)),
+        release_(std::move(release)),
+        queue_(std::move(queue)) {
     update_stats();
   }
 
@@ -134,6 +133,11 @@ class MqttPublisher::Worker {
   }
 
  private:
+  /// What the status topic says.
+  std::string status(bool online, uint64_t dropped) const {
+    return json_text({{"online", online}, {"release", release_}, {"dropped", dropped}});
+  }
+
   std::optional<Clock::time_point> deadline() {
     const std::lock_guard lock(mutex_);
     return deadline_;
@@ -170,8 +174,7 @@ class MqttPublisher::Worker {
     if (Clock::now() < next_attempt_ || deadline()) return;
     attempted_ = Clock::now();
     client_ = std::make_unique<MqttClient>(
-        settings_, password_,
-        MqttClient::Will{status_topic(settings_), status_payload(false, dropped_)},
+        settings_, password_, MqttClient::Will{status_topic(settings_), status(false, dropped_)},
         [this](int number) { acknowledged(number); });
     storing.unlock();  // names are resolved, which may take long
     const auto begun = client_->connect();
@@ -181,7 +184,7 @@ class MqttPublisher::Worker {
 
   void announce_connection() {
     if (!client_ || !client_->connected() || announced_) return;
-    client_->publish(status_topic(settings_), status_payload(true, stats().lost), true);
+    client_->publish(status_topic(settings_), status(true, stats().lost), true);
     log_->info("mqtt: connected to {}, {} reports wait", settings_.host, queue_.messages());
     announced_ = true;
     attempts_ = 0;
@@ -221,7 +224,7 @@ class MqttPublisher::Worker {
 
   void say_goodbye() {
     if (!client_ || !client_->connected()) return;
-    client_->publish(status_topic(settings_), status_payload(false, stats().lost), true);
+    client_->publish(status_topic(settings_), status(false, stats().lost), true);
     static_cast<void>(client_->run(kLoop));
     client_->disconnect();
     static_cast<void>(client_->run(kLoop));
@@ -234,6 +237,7 @@ class MqttPublisher::Worker {
 
   const MqttSettings settings_;
   const std::string password_;
+  const std::string release_;
   /// Its own share: a thread that still waits for a host may outlive the process' default logger.
   const std::shared_ptr<spdlog::logger> log_ = spdlog::default_logger();
 
@@ -256,15 +260,17 @@ class MqttPublisher::Worker {
   std::string failure_;  // logged last
 };
 
-Result<std::unique_ptr<MqttPublisher>> MqttPublisher::start(
-    const MqttSettings& settings, const std::filesystem::path& queue_file) {
+Result<std::unique_ptr<MqttPublisher>> MqttPublisher::start(const MqttSettings& settings,
+                                                            const std::filesystem::path& queue_file,
+                                                            std::string release) {
   if (auto readable = check_files(settings); !readable) return tl::unexpected(readable.error());
   auto password = read_password(settings);
   if (!password) return tl::unexpected(password.error());
   auto queue = ReportQueue::open(queue_file, settings.queue);
   if (!queue) return tl::unexpected(queue.error());
   if (!queue->damage().empty()) spdlog::warn("mqtt: {}", queue->damage());
-  auto worker = std::make_shared<Worker>(settings, *std::move(password), *std::move(queue));
+  auto worker = std::make_shared<Worker>(settings, *std::move(password), std::move(release),
+                                         *std::move(queue));
   std::thread([worker] { worker->run(); }).detach();
   return std::unique_ptr<MqttPublisher>(new MqttPublisher(worker));
 }

@@ -16,9 +16,11 @@ namespace infuse::daemon {
 class MqttPublisher {
  public:
   /// Starts the thread. `queue_file`: empty keeps the queue in memory. The files of `settings` are
-  /// absolute paths. Errors: a file that cannot be read, a queue that cannot be created.
+  /// absolute paths. `release`: the program's version, for the status. Errors: a file that cannot
+  /// be read, a queue that cannot be created.
   static Result<std::unique_ptr<MqttPublisher>> start(const MqttSettings& settings,
-                                                      const std::filesystem::path& queue_file);
+                                                      const std::filesystem::path& queue_file,
+                                                      std::string release);
 
   ~MqttPublisher();
   MqttPublisher(const MqttPublisher&) = delete;

@@ -1,8 +1,8 @@
 #include "daemon/pipeline/publisher.hpp"
 
+#include "daemon/process/process_times.hpp"
 #include "daemon/protocol/messages.hpp"
 #include "daemon/protocol/names.hpp"
-#include "daemon/service/process_times.hpp"
 
 namespace infuse::daemon {
 

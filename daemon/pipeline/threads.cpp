@@ -4,7 +4,7 @@
 #include <sched.h>
 #include <sys/mman.h>
 
-#include "daemon/service/crash_note.hpp"
+#include "daemon/process/crash_note.hpp"
 
 namespace infuse::daemon {
 

@@ -5,9 +5,10 @@
 #include <csignal>
 #include <random>
 
+#include "daemon/command_line/version.hpp"
 #include "daemon/mapping/place_map.hpp"
+#include "daemon/process/service_manager.hpp"
 #include "daemon/server/socket_path.hpp"
-#include "daemon/service/service_manager.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -45,7 +46,7 @@ Result<std::optional<places::PlaceMap>> open_place_map(const Config& config) {
 
 DaemonHost::DaemonHost(const Config& config, const std::filesystem::path& state_folder)
     : config_(config),
-      server_(io_, config.socket, INFUSE_VERSION, make_session_id()),
+      server_(io_, config.socket, version(), make_session_id()),
       calibrations_(calibrations_file(state_folder)) {}
 
 tl::expected<void, StartError> DaemonHost::open(Rig& rig, const std::string& socket) {

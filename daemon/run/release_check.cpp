@@ -5,12 +5,13 @@
 #include <ostream>
 
 #include "daemon/calibration/saved_calibrations.hpp"
-#include "daemon/live/live_setup.hpp"
+#include "daemon/command_line/version.hpp"
+#include "daemon/history/history_file.hpp"
+#include "daemon/history/saved_state.hpp"
 #include "daemon/pipeline/pipeline.hpp"
 #include "daemon/run/daemon_host.hpp"
 #include "daemon/run/generated_turn.hpp"
-#include "daemon/service/history_file.hpp"
-#include "daemon/service/saved_state.hpp"
+#include "daemon/sensors/live_setup.hpp"
 #include "drivers/recording/atomic_file.hpp"
 #include "drivers/text/text_file.hpp"
 
@@ -146,7 +147,7 @@ ExitCode test_state_file(const std::filesystem::path& file, int form, const std:
 Result<void> decode_generated_turns() {
   const PipelineSetup setup = generated_setup();
   boost::asio::io_context io(1);
-  Server server(io, {}, INFUSE_VERSION, "0000000000000000");
+  Server server(io, {}, version(), "0000000000000000");
   PipelineOptions options;
   options.odometry.use_lidar = false;
   Pipeline pipeline(io, setup, options, server, nullptr,

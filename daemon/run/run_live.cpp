@@ -5,8 +5,8 @@
 #include <cstdlib>
 
 #include "daemon/command_line/arguments.hpp"
-#include "daemon/live/history_writer.hpp"
-#include "daemon/live/live_pipeline.hpp"
+#include "daemon/command_line/version.hpp"
+#include "daemon/history/history_writer.hpp"
 #include "daemon/metrics/metrics_server.hpp"
 #include "daemon/metrics/metrics_text.hpp"
 #include "daemon/mqtt/mqtt_publisher.hpp"
@@ -15,6 +15,7 @@
 #include "daemon/run/open_messages.hpp"
 #include "daemon/run/open_view.hpp"
 #include "daemon/run/service_lifecycle.hpp"
+#include "daemon/sensors/live_pipeline.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -41,7 +42,7 @@ Result<void> listen_for_metrics(MetricsServer& metrics, const MetricsSettings& s
 void publish_metrics(MetricsServer& metrics, Publisher& publisher) {
   publisher.add_health_listener([&metrics, &publisher](const HealthReport& health) {
     ProcessStats process;
-    process.release = INFUSE_VERSION;
+    process.release = version();
     process.alerts = publisher.totals().alerts;
     measure_process(process);
     metrics.set_text(metrics_text(health, process));
@@ -65,7 +66,7 @@ Result<std::unique_ptr<MqttPublisher>> connect_to_broker(const Config& config) {
     if (!file->empty()) *file = config.resolve(*file);
   }
   const std::filesystem::path folder = state_folder();
-  return MqttPublisher::start(settings, folder.empty() ? folder : folder / "mqtt.db");
+  return MqttPublisher::start(settings, folder.empty() ? folder : folder / "mqtt.db", version());
 }
 
 /// Publishes alerts, calibrations, health and poses to the broker.

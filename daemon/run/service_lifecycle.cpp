@@ -6,9 +6,9 @@
 #include <array>
 #include <csignal>
 
+#include "daemon/process/crash_note.hpp"
+#include "daemon/process/service_manager.hpp"
 #include "daemon/protocol/messages.hpp"
-#include "daemon/service/crash_note.hpp"
-#include "daemon/service/service_manager.hpp"
 
 namespace infuse::daemon {
 namespace {

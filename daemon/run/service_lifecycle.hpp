@@ -6,9 +6,9 @@
 #include <string>
 
 #include "daemon/config/config.hpp"
-#include "daemon/live/recording_controller.hpp"
-#include "daemon/live/run_tracker.hpp"
+#include "daemon/history/run_tracker.hpp"
 #include "daemon/pipeline/publisher.hpp"
+#include "daemon/sensors/recording_controller.hpp"
 
 namespace infuse::daemon {
 

@@ -20,8 +20,8 @@
 #include <set>
 #include <thread>
 
+#include "daemon/process/crash_note.hpp"
 #include "daemon/protocol/json.hpp"
-#include "daemon/service/crash_note.hpp"
 #include "daemon/view/access.hpp"
 #include "daemon/view/view_client.hpp"
 #include "daemon/view/view_files.hpp"

@@ -14,8 +14,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "daemon/command_line/arguments.hpp"
-#include "daemon/commands/calibration_images.hpp"
-#include "daemon/commands/calibration_scenes.hpp"
+#include "daemon/drawing/calibration_images.hpp"
+#include "daemon/playback/calibration_scenes.hpp"
 #include "daemon/streetmap/street_map_file.hpp"
 #include "drivers/recording/trajectory_file.hpp"
 #include "fixtures/simulator/sensors/image_file.hpp"

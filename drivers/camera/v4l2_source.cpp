@@ -8,7 +8,7 @@
 #include <array>
 #include <cmath>
 
-#include "drivers/receive/system_error.hpp"
+#include "drivers/host/system_error.hpp"
 
 namespace infuse::camera {
 namespace {

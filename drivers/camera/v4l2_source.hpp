@@ -6,9 +6,9 @@
 
 #include "drivers/camera/raw_image.hpp"
 #include "drivers/camera/v4l2_options.hpp"
+#include "drivers/host/file_descriptor.hpp"
+#include "drivers/host/time_base.hpp"
 #include "drivers/measurement/error.hpp"
-#include "drivers/receive/file_descriptor.hpp"
-#include "drivers/receive/time_base.hpp"
 
 namespace infuse::camera {
 

@@ -7,7 +7,7 @@
 #include <cerrno>
 #include <utility>
 
-#include "drivers/receive/system_error.hpp"
+#include "drivers/host/system_error.hpp"
 
 namespace infuse::recording {
 namespace {

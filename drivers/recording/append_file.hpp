@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "drivers/host/file_descriptor.hpp"
 #include "drivers/measurement/error.hpp"
-#include "drivers/receive/file_descriptor.hpp"
 
 namespace infuse::recording {
 

@@ -7,8 +7,8 @@
 #include <cerrno>
 #include <string>
 
-#include "drivers/receive/file_descriptor.hpp"
-#include "drivers/receive/system_error.hpp"
+#include "drivers/host/file_descriptor.hpp"
+#include "drivers/host/system_error.hpp"
 
 namespace infuse::recording {
 namespace {

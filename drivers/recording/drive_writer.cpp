@@ -4,7 +4,7 @@
 #include <unistd.h>
 
 #include "drivers/gnss/gnss_csv.hpp"
-#include "drivers/receive/file_descriptor.hpp"
+#include "drivers/host/file_descriptor.hpp"
 #include "drivers/recording/atomic_file.hpp"
 #include "drivers/recording/drive_toml.hpp"
 #include "drivers/recording/numbered_files.hpp"

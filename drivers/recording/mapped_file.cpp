@@ -5,8 +5,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "drivers/receive/file_descriptor.hpp"
-#include "drivers/receive/system_error.hpp"
+#include "drivers/host/file_descriptor.hpp"
+#include "drivers/host/system_error.hpp"
 
 namespace infuse::recording {
 

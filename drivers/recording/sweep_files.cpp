@@ -10,8 +10,8 @@
 #include <cstring>
 #include <string>
 
-#include "drivers/receive/file_descriptor.hpp"
-#include "drivers/receive/system_error.hpp"
+#include "drivers/host/file_descriptor.hpp"
+#include "drivers/host/system_error.hpp"
 #include "drivers/recording/pcd_sweep.hpp"
 #include "drivers/recording/ply_sweep.hpp"
 #include "drivers/text/text_file.hpp"

@@ -3,7 +3,7 @@
 #include <fcntl.h>
 #include <termios.h>
 
-#include "drivers/receive/system_error.hpp"
+#include "drivers/host/system_error.hpp"
 
 namespace infuse::vehicle {
 namespace {

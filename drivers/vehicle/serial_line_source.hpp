@@ -6,9 +6,9 @@
 #include <string>
 #include <string_view>
 
+#include "drivers/host/file_descriptor.hpp"
+#include "drivers/host/time_base.hpp"
 #include "drivers/measurement/error.hpp"
-#include "drivers/receive/file_descriptor.hpp"
-#include "drivers/receive/time_base.hpp"
 
 namespace infuse::vehicle {
 

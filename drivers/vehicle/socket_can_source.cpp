@@ -7,7 +7,7 @@
 
 #include <cstring>
 
-#include "drivers/receive/system_error.hpp"
+#include "drivers/host/system_error.hpp"
 
 namespace infuse::vehicle {
 namespace {

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "drivers/host/file_descriptor.hpp"
+#include "drivers/host/hardware_stamps.hpp"
+#include "drivers/host/message_batch.hpp"
 #include "drivers/measurement/error.hpp"
-#include "drivers/receive/file_descriptor.hpp"
-#include "drivers/receive/hardware_stamps.hpp"
-#include "drivers/receive/message_batch.hpp"
 #include "drivers/vehicle/bus_errors.hpp"
 #include "drivers/vehicle/can_frame.hpp"
 

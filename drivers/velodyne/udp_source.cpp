@@ -5,8 +5,8 @@
 
 #include <utility>
 
+#include "drivers/host/system_error.hpp"
 #include "drivers/measurement/ipv4_address.hpp"
-#include "drivers/receive/system_error.hpp"
 #include "drivers/velodyne/packet_filter.hpp"
 #include "drivers/velodyne/udp_tap.hpp"
 

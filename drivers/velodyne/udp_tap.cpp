@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "drivers/receive/system_error.hpp"
+#include "drivers/host/system_error.hpp"
 #include "drivers/velodyne/packet_filter.hpp"
 
 namespace infuse::velodyne {

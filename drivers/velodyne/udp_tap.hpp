@@ -5,9 +5,9 @@
 #include <span>
 #include <string>
 
+#include "drivers/host/file_descriptor.hpp"
 #include "drivers/measurement/datagram.hpp"
 #include "drivers/measurement/error.hpp"
-#include "drivers/receive/file_descriptor.hpp"
 
 namespace infuse::velodyne {
 

@@ -22,7 +22,7 @@
 #include <map>
 #include <random>
 
-#include "daemon/commands/calibration_run.hpp"
+#include "daemon/tools/calibrate/calibration_run.hpp"
 #include "drivers/measurement/angles.hpp"
 #include "fusion/geometry/extrinsic_error.hpp"
 #include "tests/bench/rendered_drive.hpp"

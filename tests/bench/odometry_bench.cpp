@@ -17,7 +17,7 @@
 #include <filesystem>
 #include <string>
 
-#include "daemon/commands/play_lidar.hpp"
+#include "daemon/playback/play_lidar.hpp"
 #include "drivers/measurement/angles.hpp"
 #include "drivers/recording/drive.hpp"
 #include "drivers/recording/drive_toml.hpp"

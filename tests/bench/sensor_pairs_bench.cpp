@@ -9,7 +9,7 @@
 #include <map>
 #include <random>
 
-#include "daemon/service/process_times.hpp"
+#include "daemon/process/process_times.hpp"
 #include "drivers/measurement/angles.hpp"
 #include "fusion/calibration/calibrate.hpp"
 #include "fusion/calibration/named_measures.hpp"

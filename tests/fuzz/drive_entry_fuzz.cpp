@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "daemon/fleet/fleet_page.hpp"
+#include "daemon/tools/fleet/fleet_page.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace infuse::daemon;

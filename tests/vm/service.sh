@@ -10,7 +10,7 @@ export DEBIAN_FRONTEND=noninteractive
 rm -f /var/lib/man-db/auto-update
 # A host that is a container may forbid packages to start services.
 rm -f /usr/sbin/policy-rc.d
-check "packages install" dpkg -i /proof/infused.deb /proof/infuse-tools.deb
+check "packages install" dpkg -i /proof/infused.deb /proof/infuse.deb
 check "the service is enabled" systemctl is-enabled infused.service infused.socket
 check "without sensors it runs" within 20 systemctl is-active infused.service
 check "user, state and socket are there" sh -c 'id infuse && test -d /var/lib/infuse && test -S /run/infuse/infused.sock'
@@ -129,7 +129,7 @@ check "the self-test passes as the service's user" sh -c 'STATE_DIRECTORY=/var/l
 check "upgrade keeps it running" sh -c 'dpkg -i /proof/infused.deb && systemctl is-active infused'
 check "remove stops it" sh -c 'dpkg -r infused && ! systemctl is-active infused && ! test -e /usr/bin/infused'
 check "and keeps the configuration" test -e /etc/infuse/infused.toml
-check "purge leaves nothing" sh -c 'dpkg -P infused infuse-tools && ! test -e /var/lib/infuse && ! test -e /etc/infuse/infused.toml && ! test -e /run/infuse'
+check "purge leaves nothing" sh -c 'dpkg -P infused infuse && ! test -e /var/lib/infuse && ! test -e /etc/infuse/infused.toml && ! test -e /run/infuse'
 hush
 ((failures == 0)) || journalctl -u infused -o short-monotonic --no-pager | tail -n 60
 finish

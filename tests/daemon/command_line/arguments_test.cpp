@@ -28,6 +28,21 @@ TEST(Arguments, HelpAndWrongUsageEndTheProgram) {
   EXPECT_EQ(parse(app, {"x", "--number", "seven"}), int{kUsage});
 }
 
+TEST(Arguments, WrongUsageBeginsWithTheProgramsName) {
+  CLI::App app;
+  app.add_option("--number")->check(CLI::Number);
+  for (std::string word : {"--nonsense", "--number=seven"}) {
+    std::string program = "/usr/bin/infuse";
+    std::array<char*, 2> argv = {program.data(), word.data()};
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(parse_arguments(app, 2, argv.data()), int{kUsage});
+    const std::string message = testing::internal::GetCapturedStderr();
+    EXPECT_THAT(message, testing::StartsWith("infuse: "));
+    EXPECT_THAT(message, testing::EndsWith(" (--help lists the options)\n"));
+    EXPECT_EQ(std::ranges::count(message, '\n'), 1) << message;
+  }
+}
+
 TEST(Arguments, AMistypedCommandIsAnsweredWithTheNearestOne) {
   CLI::App app;
   app.require_subcommand(1);

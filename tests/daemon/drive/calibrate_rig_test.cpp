@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "daemon/commands/calibration_run.hpp"
+#include "daemon/tools/calibrate/calibration_run.hpp"
 #include "drivers/measurement/angles.hpp"
 #include "fusion/geometry/extrinsic_error.hpp"
 #include "tests/daemon/drive/simulated.hpp"

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "daemon/commands/calibration_scenes.hpp"
+#include "daemon/playback/calibration_scenes.hpp"
 #include "fusion/calibration/coarse_to_fine.hpp"
 #include "fusion/calibration/image_pyramid.hpp"
 #include "fusion/calibration/named_measures.hpp"

@@ -7,12 +7,12 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "daemon/commands/map_drive.hpp"
 #include "daemon/mapping/map_finish.hpp"
+#include "daemon/tools/map/map_drive.hpp"
 #include "drivers/recording/trajectory_file.hpp"
 #include "fusion/motion/trajectory_error.hpp"
-#include "tests/daemon/commands/run_program.hpp"
 #include "tests/daemon/drive/simulated.hpp"
+#include "tests/daemon/run_program.hpp"
 #include "tests/folders.hpp"
 
 namespace infuse::daemon {

@@ -124,7 +124,7 @@ class MqttPublisherTest : public testing::Test {
   }
 
   std::unique_ptr<MqttPublisher> start() {
-    auto started = MqttPublisher::start(settings_, folder_ / "mqtt.db");
+    auto started = MqttPublisher::start(settings_, folder_ / "mqtt.db", "0.1.0");
     EXPECT_TRUE(started) << started.error().message();
     return started ? *std::move(started) : nullptr;
   }
@@ -156,8 +156,8 @@ TEST_F(MqttPublisherTest, ReportsArriveInOrderAndTheStatusIsKept) {
   EXPECT_TRUE(subscriber.wait_for(
       [&] { return subscriber.payloads(status_topic(settings_)).size() == 2; }));
   EXPECT_EQ(subscriber.payloads(status_topic(settings_)),
-            (std::vector<std::string>{R"({"online":true,"dropped":0})",
-                                      R"({"online":false,"dropped":0})"}));
+            (std::vector<std::string>{R"({"online":true,"release":"0.1.0","dropped":0})",
+                                      R"({"online":false,"release":"0.1.0","dropped":0})"}));
   Subscriber later(settings_.port);
   EXPECT_TRUE(later.wait_for([&] { return !later.messages.empty(); }));
   EXPECT_EQ(later.messages.front().first, status_topic(settings_));
@@ -219,12 +219,12 @@ TEST_F(MqttPublisherTest, ARefusalIsNamed) {
 TEST(MqttPublisher, FilesThatCannotBeReadAreNamed) {
   const ScratchFolder folder;
   MqttSettings settings{.host = "127.0.0.1", .vehicle = "car7", .ca_file = "/nonexistent/ca.pem"};
-  auto started = MqttPublisher::start(settings, "");
+  auto started = MqttPublisher::start(settings, "", "0.1.0");
   ASSERT_FALSE(started);
   EXPECT_NE(started.error().message().find("/nonexistent/ca.pem"), std::string::npos);
   settings.ca_file.clear();
   settings.password_file = "/nonexistent/password";
-  started = MqttPublisher::start(settings, "");
+  started = MqttPublisher::start(settings, "", "0.1.0");
   ASSERT_FALSE(started);
   EXPECT_NE(started.error().message().find("/nonexistent/password"), std::string::npos);
 }
@@ -247,7 +247,7 @@ TEST(MqttPublisher, ABrokerThatDoesNotAnswerHoldsNothingUp) {
   const MqttSettings settings{
       .host = "127.0.0.1", .port = ntohs(address.sin_port), .vehicle = "car7"};
   {
-    const auto started = MqttPublisher::start(settings, folder / "mqtt.db");
+    const auto started = MqttPublisher::start(settings, folder / "mqtt.db", "0.1.0");
     ASSERT_TRUE(started) << started.error().message();
     std::this_thread::sleep_for(300ms);
     for (int k = 0; k < 100; ++k) (*started)->add({.topic = "t", .payload = "x"});
@@ -262,7 +262,7 @@ TEST(MqttPublisher, ABrokerThatDoesNotAnswerHoldsNothingUp) {
 
 TEST(MqttPublisher, WithoutABrokerNobodyWaits) {
   MqttSettings settings{.host = "127.0.0.1", .port = 1, .vehicle = "car7"};
-  const auto started = MqttPublisher::start(settings, "");
+  const auto started = MqttPublisher::start(settings, "", "0.1.0");
   ASSERT_TRUE(started) << started.error().message();
   const auto begin = std::chrono::steady_clock::now();
   for (int k = 0; k < 5000; ++k) (*started)->add({.topic = "t", .payload = "x"});

@@ -6,8 +6,8 @@
 #include <sstream>
 
 #include "daemon/calibration/saved_calibrations.hpp"
+#include "daemon/history/saved_state.hpp"
 #include "daemon/run/generated_turn.hpp"
-#include "daemon/service/saved_state.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace infuse::daemon {

@@ -6,7 +6,7 @@
 #include <ostream>
 #include <random>
 
-#include "daemon/service/history_file.hpp"
+#include "daemon/history/history_file.hpp"
 
 namespace infuse::study {
 namespace {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "daemon/service/history_file.hpp"
+#include "daemon/history/history_file.hpp"
 
 namespace infuse::study {
 namespace {

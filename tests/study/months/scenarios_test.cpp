@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "daemon/service/history_file.hpp"
+#include "daemon/history/history_file.hpp"
 
 namespace infuse::study {
 namespace {

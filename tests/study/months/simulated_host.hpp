@@ -1,6 +1,6 @@
 #pragma once
 
-#include "drivers/receive/time_base.hpp"
+#include "drivers/host/time_base.hpp"
 
 namespace infuse::study {
 

@@ -4,11 +4,11 @@
 #include <functional>
 #include <string>
 
-#include "daemon/live/history_writer.hpp"
-#include "daemon/live/live_setup.hpp"
-#include "daemon/live/recording_controller.hpp"
+#include "daemon/history/history_writer.hpp"
 #include "daemon/run/daemon_host.hpp"
 #include "daemon/run/service_lifecycle.hpp"
+#include "daemon/sensors/live_setup.hpp"
+#include "daemon/sensors/recording_controller.hpp"
 
 namespace infuse::study {
 

@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "daemon/calibration/request_check.hpp"
-#include "daemon/service/history_file.hpp"
+#include "daemon/history/history_file.hpp"
 
 namespace infuse::study {
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "daemon/commands/lidar_replay.hpp"
-#include "daemon/commands/play_lidar.hpp"
 #include "daemon/mapping/place_map.hpp"
+#include "daemon/playback/play_lidar.hpp"
+#include "daemon/tools/map/lidar_replay.hpp"
 #include "drivers/recording/trajectory_file.hpp"
 #include "fusion/features/air_returns.hpp"
 

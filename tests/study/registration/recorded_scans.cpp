@@ -2,7 +2,7 @@
 
 #include <fstream>
 
-#include "daemon/commands/align_scan.hpp"
+#include "daemon/tools/align/align_scan.hpp"
 #include "drivers/text/numbers.hpp"
 
 namespace infuse::study {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include "daemon/commands/calibration_run.hpp"
-#include "daemon/commands/calibration_scenes.hpp"
+#include "daemon/playback/calibration_scenes.hpp"
+#include "daemon/tools/calibrate/calibration_run.hpp"
 #include "drivers/measurement/angles.hpp"
 #include "fusion/calibration/compare_extrinsics.hpp"
 

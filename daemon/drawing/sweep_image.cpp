@@ -1,0 +1,56 @@
+#include "daemon/drawing/sweep_image.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "daemon/drawing/view_from_above.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+/// Colour from blue over green to red.
+Colour colour_of(float fraction) {
+  const auto bump = [fraction](float centre) {
+    const float value = std::clamp(1.5F - 3 * std::abs(fraction - centre), 0.0F, 1.0F);
+    return static_cast<uint8_t>(60 + std::lround(195 * value));
+  };
+  return {bump(0), bump(0.5F), bump(1)};
+}
+
+void draw_points(TwoViewsFromAbove& views, int view, const Sweep& sweep,
+                 const FieldVector<float>& x, const FieldVector<float>& y,
+                 const FieldVector<float>& z) {
+  const float span = std::max(1.0F, static_cast<float>(sweep.span.count()));
+  for (size_t i = 0; i < x.size(); ++i) {
+    const float offset = sweep.has_times ? static_cast<float>(sweep.time_offset_ns[i]) : 0;
+    views.draw(view, x[i], y[i], z[i], colour_of(offset / span));
+  }
+}
+
+}  // namespace
+
+CameraFrame draw_sweep(const Sweep& sweep, const motion::DeskewedSweep& deskewed) {
+  TwoViewsFromAbove views;
+  draw_points(views, 0, sweep, sweep.x, sweep.y, sweep.z);
+  draw_points(views, 1, sweep, deskewed.x, deskewed.y, deskewed.z);
+  return views.take();
+}
+
+CameraFrame draw_alignment(const Sweep& target, const Sweep& source,
+                           const Eigen::Isometry3d& T_before, const Eigen::Isometry3d& T_after) {
+  TwoViewsFromAbove views;
+  constexpr Colour kTarget{255, 160, 60}, kSource{60, 120, 255};  // blue and red
+  for (const int view : {0, 1}) {
+    for (size_t i = 0; i < target.size(); ++i) {
+      views.draw(view, target.x[i], target.y[i], target.z[i], kTarget);
+    }
+    const Eigen::Isometry3f T = (view == 0 ? T_before : T_after).cast<float>();
+    for (size_t i = 0; i < source.size(); ++i) {
+      const Eigen::Vector3f p = T * Eigen::Vector3f(source.x[i], source.y[i], source.z[i]);
+      views.draw(view, p.x(), p.y(), p.z(), kSource);
+    }
+  }
+  return views.take();
+}
+
+}  // namespace infuse::daemon

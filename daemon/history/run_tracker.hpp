@@ -1,0 +1,45 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "daemon/history/saved_state.hpp"
+#include "daemon/protocol/reports.hpp"
+
+namespace infuse::daemon {
+
+/// Saves the state that outlives a restart in the state directory, and reports how the previous run
+/// ended.
+class RunTracker {
+ public:
+  /// Uses the service manager's state directory ($STATE_DIRECTORY); nothing is saved if it is not
+  /// set.
+  static RunTracker from_environment();
+  explicit RunTracker(std::filesystem::path file) : file_(std::move(file)) {}
+
+  /// Records the start of a run. Returns an alert if the previous run did not end by itself; the
+  /// text states if the watchdog ended it, and where its crash note is. From now on a crash leaves
+  /// a note.
+  std::optional<AlertReport> begin_run(Stamp now);
+
+  /// Writes the state, at most every 10 s. Returns an alert when writing starts to fail (raised)
+  /// and when it works again (cleared).
+  std::optional<AlertReport> save_if_due(Stamp now);
+
+  /// Records that the run ended by itself.
+  void end_run(Stamp now);
+
+  const SavedState& state() const { return state_; }
+
+ private:
+  static constexpr Duration kSavePeriod{10'000'000'000};
+
+  Result<void> write(Stamp now);
+
+  std::filesystem::path file_;  // empty: nothing is saved
+  SavedState state_;
+  Stamp last_saved_;
+  bool failing_ = false;
+};
+
+}  // namespace infuse::daemon

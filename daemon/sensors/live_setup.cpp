@@ -1,0 +1,258 @@
+#include "daemon/sensors/live_setup.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+
+#include "daemon/survey/capture_survey.hpp"
+#include "drivers/recording/drive_toml.hpp"
+#include "drivers/velodyne/calibration_file.hpp"
+#include "drivers/velodyne/model.hpp"
+#include "drivers/velodyne/packet_filter.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+Result<Rig> read_configured_rig(const Config& config) {
+  if (config.rig.empty()) return Rig{};
+  return recording::read_rig(config.resolve(config.rig));
+}
+
+bool same_socket(const velodyne::UdpOptions& a, const velodyne::UdpOptions& b) {
+  return a.port == b.port && a.address == b.address && a.multicast == b.multicast &&
+         a.interface == b.interface && a.tap == b.tap;
+}
+
+/// Two lidars that share a port must have different senders.
+Result<void> check_senders(const std::vector<LidarOptions>& lidars) {
+  for (size_t i = 0; i < lidars.size(); ++i) {
+    for (size_t j = 0; j < i; ++j) {
+      const LidarOptions &a = lidars[j], &b = lidars[i];
+      const bool apart = parse_address(a.sender) != parse_address(b.sender);
+      if (apart || !same_socket(a.udp(a.port), b.udp(b.port))) continue;
+      return fail(fmt::format("lidars '{}' and '{}' cannot be told apart on port {}", a.name,
+                              b.name, b.port),
+                  b.source, "give each its sender, or another port");
+    }
+  }
+  return {};
+}
+
+Result<void> check_record_folder(const Config& config) {
+  if (config.record.directory.empty()) return {};
+  const std::filesystem::path folder = config.resolve(config.record.directory);
+  std::error_code error;
+  if (!std::filesystem::exists(folder, error) || std::filesystem::is_directory(folder, error)) {
+    return {};
+  }
+  return fail("record.directory is not a folder", folder.string());
+}
+
+void add_port_sender(const velodyne::UdpOptions& udp, const PortSetup::Sender& sender,
+                     std::vector<PortSetup>& ports) {
+  for (PortSetup& port : ports) {
+    if (!same_socket(port.udp, udp)) continue;
+    port.udp.receive_buffer = std::max(port.udp.receive_buffer, udp.receive_buffer);
+    return port.senders.push_back(sender);
+  }
+  ports.push_back({udp, {sender}});
+}
+
+std::string endpoint_of(const LidarOptions& lidar) {
+  const std::string local = lidar.tap               ? "tap of " + lidar.interface
+                            : lidar.address.empty() ? "0.0.0.0"
+                                                    : lidar.address;
+  return fmt::format("{}:{}{}", local, lidar.port,
+                     lidar.sender.empty() ? "" : ", from " + lidar.sender);
+}
+
+Result<void> set_up_lidar(const Config& config, const LidarOptions& options, const Rig& rig,
+                          LiveSetup& setup) {
+  const auto model = velodyne::find_model(options.model);
+  if (!model) {
+    return fail("lidar '" + options.name + "' has no model", options.source,
+                "give it one: model = \"HDL-32E\"");
+  }
+  LidarSetup lidar{options.name, true, {}};
+  lidar.assembler.model = *model;
+  lidar.assembler.cut_azimuth = options.cut_azimuth_deg;
+  lidar.assembler.sender = parse_address(options.sender).value_or(0);
+  if (!options.calibration.empty()) {
+    auto loaded = velodyne::load_db_xml(config.resolve(options.calibration));
+    if (!loaded) return tl::unexpected(loaded.error());
+    if (auto wrong = loaded->invalid(velodyne::model_info(*model))) {
+      return fail(*wrong, config.resolve(options.calibration).string(),
+                  "check that the file belongs to this model");
+    }
+    lidar.assembler.calibration = *loaded;
+  }
+  const size_t index = setup.lidars.size();
+  const uint32_t sender = lidar.assembler.sender;
+  add_port_sender(options.udp(options.port), {sender, index, true}, setup.ports);
+  if (options.position_port != options.port) {
+    add_port_sender(options.udp(options.position_port), {sender, index, false}, setup.ports);
+  }
+  const LidarMount* mount = rig.find_lidar(options.name);
+  setup.rig.lidars.push_back(mount != nullptr ? *mount : LidarMount{options.name, options.model});
+  const auto& info = velodyne::model_info(*model);
+  setup.lidars.push_back(std::move(lidar));
+  setup.devices.push_back(
+      {options.name, "lidar", info.name, "configured", endpoint_of(options), std::nullopt});
+  return {};
+}
+
+Result<void> add_camera(const CameraOptions& options, const CameraMount* mount, LiveSetup& setup) {
+  camera::V4l2Options stream = options.stream;
+  if (mount != nullptr) {
+    const CameraIntrinsics& intrinsics = mount->intrinsics;
+    if (stream.width == 0) {
+      stream.width = intrinsics.width;
+      stream.height = intrinsics.height;
+    } else if (stream.width != intrinsics.width || stream.height != intrinsics.height) {
+      return fail(
+          fmt::format("camera '{}' is configured as {}x{}, but the rig states {}x{}", options.name,
+                      stream.width, stream.height, intrinsics.width, intrinsics.height),
+          options.source);
+    }
+    stream.stamp_delay += mount->stamp_delay;
+    setup.rig.cameras.push_back(*mount);
+  }
+  const bool name_in_use = std::any_of(setup.devices.begin(), setup.devices.end(),
+                                       [&](const Device& d) { return d.name == options.name; });
+  setup.devices.push_back({(name_in_use ? "camera " : "") + options.name, "camera",
+                           stream.format ? camera::name_of(*stream.format) : "any format",
+                           "configured", stream.device, std::nullopt});
+  setup.cameras.push_back({});
+  setup.camera_streams.push_back(std::move(stream));
+  return {};
+}
+
+/// Cameras of the rig come first: the pipeline uses their indices.
+Result<void> set_up_cameras(const Config& config, const Rig& rig, LiveSetup& setup) {
+  for (const bool mounted : {true, false}) {
+    for (const CameraOptions& options : config.cameras) {
+      const CameraMount* mount = rig.find_camera(options.name);
+      if ((mount != nullptr) != mounted) continue;
+      if (mount != nullptr && setup.rig.find_lidar(mount->lidar) == nullptr) {
+        return fail("camera '" + options.name + "' refers to lidar '" + mount->lidar +
+                        "', which is not configured",
+                    options.source);
+      }
+      if (auto added = add_camera(options, mount, setup); !added) return added;
+    }
+  }
+  return {};
+}
+
+Result<void> set_up_buses(const Config& config, LiveSetup& setup) {
+  for (const BusOptions& options : config.buses) {
+    recording::CanFiles files;
+    files.dbc = options.dbc;
+    files.reverse_gear = options.reverse_gear;
+    files.signals = options.signals;
+    auto bus = set_up_bus(files, config.folder, options.source, setup.vehicle.notes);
+    if (!bus) return tl::unexpected(bus.error());
+    vehicle::SocketCanOptions interface {
+      .interface = options.interface, .identifiers = {}
+    };
+    if (*bus) interface.identifiers = (*bus)->identifiers();
+    setup.interfaces.push_back(std::move(interface));
+    setup.vehicle.buses.push_back(*std::move(bus));
+    setup.devices.push_back(
+        {options.name, "can", options.interface, "configured", options.interface, std::nullopt});
+  }
+  return {};
+}
+
+Result<void> set_up_gnss(const Config& config, LiveSetup& setup) {
+  const GnssOptions& gnss = config.gnss;
+  if (gnss.device.empty() && gnss.lidar.empty()) return {};
+  std::string endpoint = gnss.device;
+  if (gnss.device.empty()) {
+    const auto lidar = std::find_if(config.lidars.begin(), config.lidars.end(),
+                                    [&](const LidarOptions& l) { return l.name == gnss.lidar; });
+    if (lidar == config.lidars.end()) {
+      return fail("[gnss] refers to lidar '" + gnss.lidar + "', which is not configured");
+    }
+    setup.gnss_lidar = LidarIndex(static_cast<size_t>(lidar - config.lidars.begin()));
+    endpoint = "position packets of " + gnss.lidar;
+  } else {
+    setup.gnss = vehicle::SerialOptions{gnss.device, gnss.baud};
+  }
+  setup.vehicle.has_gnss = true;
+  setup.devices.push_back({"gnss", "gnss", "NMEA", "configured", endpoint, std::nullopt});
+  return {};
+}
+
+/// What is valid and yet hardly meant.
+std::vector<Error> find_doubts(const Config& config, const Rig& rig) {
+  std::vector<Error> doubts;
+  for (const CameraOptions& camera : config.cameras) {
+    if (rig.find_camera(camera.name) != nullptr) continue;
+    doubts.push_back({"camera '" + camera.name + "' is not in the rig: its images are counted only",
+                      camera.source, "add it to rig.toml, see infused(8)"});
+  }
+  for (const LidarOptions& lidar : config.lidars) {
+    if (config.rig.empty() || rig.find_lidar(lidar.name) != nullptr) continue;
+    doubts.push_back({"lidar '" + lidar.name + "' is not in the rig: taken as the vehicle's origin",
+                      lidar.source, "add it to rig.toml, see infused(8)"});
+  }
+  for (const BusOptions& bus : config.buses) {
+    if (!bus.signals.empty()) continue;
+    doubts.push_back({"can '" + bus.name + "' has no signals: its frames are counted only",
+                      bus.source, "name them in [can.signals]"});
+  }
+  if (auto doubt = find_broker_doubt(config.mqtt)) doubts.push_back(*std::move(doubt));
+  if (auto doubt = find_lcm_doubt(config.lcm)) doubts.push_back(*std::move(doubt));
+  const StreetMapSettings& map = config.streetmap;
+  const bool has_gnss = !config.gnss.device.empty() || !config.gnss.lidar.empty();
+  if (!map.map.empty() && !map.initial_pose && !map.initial_location && !has_gnss &&
+      !map.tracker.global_start.enabled) {
+    doubts.push_back(
+        {"the initial pose on the street map is not known", "[streetmap]",
+         "give x, y and yaw_deg, or lat, lon and heading_deg, or [gnss], or global_start"});
+  }
+  return doubts;
+}
+
+/// Where every lidar of a port has a sender, the kernel filters.
+void filter_senders(PortSetup& port) {
+  for (const PortSetup::Sender& sender : port.senders) {
+    if (sender.address == 0) return;
+  }
+  if (port.senders.size() > velodyne::PacketFilter::kMaxSenders) return;
+  for (const PortSetup::Sender& sender : port.senders) port.udp.senders.push_back(sender.address);
+}
+
+}  // namespace
+
+size_t PortSetup::lidar_of(uint32_t sender) const {
+  const Sender* any = nullptr;
+  for (const Sender& known : senders) {
+    if (known.address == sender) return known.lidar;
+    if (known.address == 0) any = &known;
+  }
+  return any != nullptr ? any->lidar : senders.front().lidar;
+}
+
+Result<LiveSetup> set_up_live(const Config& config) {
+  const auto rig = read_configured_rig(config);
+  if (!rig) return tl::unexpected(rig.error());
+  LiveSetup setup;
+  setup.delivery = Delivery::kOverwrite;
+  if (auto usable = check_record_folder(config); !usable) return tl::unexpected(usable.error());
+  if (auto apart = check_senders(config.lidars); !apart) return tl::unexpected(apart.error());
+  for (const LidarOptions& lidar : config.lidars) {
+    if (auto done = set_up_lidar(config, lidar, *rig, setup); !done) {
+      return tl::unexpected(done.error());
+    }
+  }
+  for (PortSetup& port : setup.ports) filter_senders(port);
+  if (auto done = set_up_cameras(config, *rig, setup); !done) return tl::unexpected(done.error());
+  if (auto done = set_up_buses(config, setup); !done) return tl::unexpected(done.error());
+  if (auto done = set_up_gnss(config, setup); !done) return tl::unexpected(done.error());
+  setup.doubts = find_doubts(config, *rig);
+  return setup;
+}
+
+}  // namespace infuse::daemon
