@@ -107,8 +107,7 @@ std::string causes_text(const LidarCounters& c) {
 
 std::string clock_text(const ClockState& clock) {
   std::string text = describe(clock.source);
-  if (clock.source == ClockState::Source::kTopOfHour ||
-      clock.source == ClockState::Source::kPowerUp) {
+  if (clock.source != ClockState::Source::kNone && clock.source != ClockState::Source::kHost) {
     text += fmt::format("; host minus device {:.6f} s, {:+.1f} ppm, jitter {:.3f} ms",
                         to_seconds(clock.offset), clock.skew_ppm, to_seconds(clock.jitter) * 1e3);
   }

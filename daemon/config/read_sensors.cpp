@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "drivers/makers/makers.hpp"
 #include "drivers/recording/can_toml.hpp"
 
 namespace infuse::daemon {
@@ -13,6 +14,10 @@ constexpr size_t kMaxSensors = 16;  // of one kind
 
 std::optional<Error> read_lidar(TomlTable& table, const std::string&, LidarOptions& options) {
   table.read("model", options.model);
+  if (const lidar::LidarModel* model = makers::find_model(options.model)) {
+    options.port = model->maker->ports().data;
+    options.position_port = model->maker->ports().information;
+  }
   read_integer(table, "port", options.port);
   read_integer(table, "position_port", options.position_port);
   table.read("sender", options.sender);

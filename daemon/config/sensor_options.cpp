@@ -1,9 +1,9 @@
 #include "daemon/config/sensor_options.hpp"
 
-#include "daemon/survey/capture_survey.hpp"
+#include "drivers/makers/makers.hpp"
+#include "drivers/measurement/ipv4_address.hpp"
 #include "drivers/vehicle/serial_line_source.hpp"
 #include "drivers/vehicle/socket_can_source.hpp"
-#include "drivers/velodyne/model.hpp"
 
 namespace infuse::daemon {
 
@@ -11,7 +11,8 @@ std::optional<std::string> LidarOptions::invalid() const {
   if (name.empty()) return "name is empty";
   if (port == 0) return "port must lie in 1 ... 65535";
   if (position_port == 0) return "position_port must lie in 1 ... 65535";
-  if (!model.empty() && !velodyne::find_model(model)) return "unknown model '" + model + "'";
+  if (!model.empty() && makers::find_model(model) == nullptr)
+    return "unknown model '" + model + "'";
   if (!sender.empty() && !parse_address(sender)) return "'" + sender + "' is not an IPv4 address";
   if (!(cut_azimuth_deg >= -360 && cut_azimuth_deg <= 360)) {
     return "cut_azimuth_deg must lie in -360 ... 360";

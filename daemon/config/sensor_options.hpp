@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "drivers/camera/v4l2_options.hpp"
+#include "drivers/lidar/udp_source.hpp"
 #include "drivers/recording/drive.hpp"
-#include "drivers/velodyne/udp_source.hpp"
 
 namespace infuse::daemon {
 
@@ -23,7 +23,7 @@ struct LidarOptions {
   std::string multicast;          ///< multicast group; empty: none
   std::string interface;          ///< interface that joins the group; empty: chosen by the kernel
   bool tap = false;               ///< receive what the interface sees, to whomever it is sent
-  size_t receive_buffer = velodyne::UdpOptions{}.receive_buffer;  ///< bytes
+  size_t receive_buffer = lidar::UdpOptions{}.receive_buffer;  ///< bytes
   std::string calibration;       ///< calibration file of this unit; empty: the model's table
   double cut_azimuth_deg = 180;  ///< azimuth at which a sweep ends, clockwise from the front
 
@@ -33,7 +33,7 @@ struct LidarOptions {
   bool operator==(const LidarOptions&) const = default;
 
   /// Returns the options of the socket for one of its ports.
-  velodyne::UdpOptions udp(uint16_t at_port) const {
+  lidar::UdpOptions udp(uint16_t at_port) const {
     return {address, at_port, multicast, interface, tap, receive_buffer, {}};
   }
 };

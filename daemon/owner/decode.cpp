@@ -142,23 +142,15 @@ int run(const DecodeArguments& arguments) {
   LidarOptions options;
   options.cut_azimuth_deg = arguments.cut_deg;
   if (const auto wrong = options.invalid()) return print_error(kProgram, {*wrong, "", ""}, kUsage);
-  std::optional<velodyne::Model> model;
-  if (!arguments.model.empty()) {
-    model = velodyne::find_model(arguments.model);
-    if (!model) {
-      return print_error(kProgram, {"unknown model '" + arguments.model + "'", "--model", ""},
-                         kUsage);
-    }
-  }
-  auto setup = open_drive(arguments.path, {}, {model, arguments.calibration});
+  const auto model = requested_model(arguments.model);
+  if (!model) return print_error(kProgram, model.error(), kUsage);
+  auto setup = open_drive(arguments.path, {}, {*model, arguments.calibration});
   if (!setup) return print_error(kProgram, setup.error(), kUnreadable);
   const auto lidar = find_lidar(*setup, arguments.lidar);
   if (!lidar) return print_error(kProgram, lidar.error(), kUsage);
-  velodyne::SweepAssemblerOptions& assembler = setup->lidars[*lidar].assembler;
-  assembler.cut_azimuth = options.cut_azimuth_deg;
-  if (arguments.single_origin && !velodyne::model_info(assembler.model).calibrated_per_unit) {
-    assembler.calibration = velodyne::single_origin_calibration(assembler.model);
-  }
+  lidar::DecoderOptions& decoder = setup->lidars[*lidar].decoder;
+  decoder.cut_azimuth = options.cut_azimuth_deg;
+  decoder.single_origin = arguments.single_origin;
 
   Writer writer(arguments);
   const LidarCounters counters =

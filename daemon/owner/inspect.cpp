@@ -49,14 +49,9 @@ int inspect_folder(const InspectArguments& arguments, const LidarOverrides& over
 }
 
 int run(const InspectArguments& arguments) {
-  LidarOverrides overrides{{}, arguments.calibration};
-  if (!arguments.model.empty()) {
-    overrides.model = velodyne::find_model(arguments.model);
-    if (!overrides.model) {
-      return print_error("infuse inspect",
-                         {"unknown model '" + arguments.model + "'", "--model", ""}, kUsage);
-    }
-  }
+  const auto model = requested_model(arguments.model);
+  if (!model) return print_error("infuse inspect", model.error(), kUsage);
+  const LidarOverrides overrides{*model, arguments.calibration};
   if (recording::is_capture_folder(arguments.path)) return inspect_folder(arguments, overrides);
   ProgressLine line;
   const auto inspection = inspect_recording(arguments.path, overrides, line);

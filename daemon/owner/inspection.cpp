@@ -78,19 +78,21 @@ Summary replay(DriveSetup setup) {
   return summarise(replay);
 }
 
-const char* name_of(StreamKind kind) {
-  switch (kind) {
-    case StreamKind::kData:
+const char* name_of(lidar::PacketClass packet_class) {
+  switch (packet_class) {
+    case lidar::PacketClass::kData:
       return "lidar packets";
-    case StreamKind::kPosition:
+    case lidar::PacketClass::kInformation:
       return "position packets";
-    case StreamKind::kOther:
+    case lidar::PacketClass::kInertial:
+      return "inertial packets";
+    case lidar::PacketClass::kOther:
       return "other datagrams";
   }
   return "";
 }
 
-Json arrivals_json(const std::string& what, const Arrivals& arrivals) {
+Json arrivals_json(const std::string& what, const makers::Arrivals& arrivals) {
   return {{"what", what},
           {"count", arrivals.count},
           {"rate_hz", rounded(arrivals.rate_hz())},
@@ -99,7 +101,7 @@ Json arrivals_json(const std::string& what, const Arrivals& arrivals) {
           {"longest_gap_s", to_seconds(arrivals.longest_gap)}};
 }
 
-std::string arrivals_text(const std::string& what, const Arrivals& arrivals) {
+std::string arrivals_text(const std::string& what, const makers::Arrivals& arrivals) {
   return fmt::format("  {} {}: {:.1f}/s over {:.3f} s, longest gap {:.1f} ms\n", arrivals.count,
                      what, arrivals.rate_hz(), to_seconds(arrivals.span()),
                      to_seconds(arrivals.longest_gap) * 1e3);
@@ -133,7 +135,7 @@ std::vector<std::string> list_problems(const Inspection& inspection) {
   // The replay read the same files, and parsed their lines too.
   const std::vector<Error>& notes = summary ? summary->notes : contents.notes;
   for (const Error& note : notes) list.push_back(note.message());
-  for (const Stream& stream : contents.survey.streams()) {
+  for (const makers::Stream& stream : contents.survey.streams()) {
     if (stream.arrivals.backward > 0) {
       list.push_back(fmt::format("{} datagrams to port {} have stamps before the previous one",
                                  stream.arrivals.backward, stream.port));
@@ -160,8 +162,8 @@ std::vector<std::string> list_problems(const Inspection& inspection) {
 Json to_json(const Inspection& inspection) {
   const auto& [path, contents, summary] = inspection;
   Json json = {{"path", path.string()}, {"streams", Json::array()}};
-  for (const Stream& stream : contents.survey.streams()) {
-    Json entry = arrivals_json(name_of(stream.kind), stream.arrivals);
+  for (const makers::Stream& stream : contents.survey.streams()) {
+    Json entry = arrivals_json(name_of(stream.packet_class), stream.arrivals);
     entry["sender"] = address_text(stream.sender);
     entry["port"] = stream.port;
     entry["last_size_bytes"] = stream.last_size;
@@ -192,8 +194,8 @@ Json to_json(const Inspection& inspection) {
 std::string to_text(const Inspection& inspection) {
   const auto& [path, contents, summary] = inspection;
   std::string text = path.string() + "\nstreams\n";
-  for (const Stream& stream : contents.survey.streams()) {
-    text += arrivals_text(fmt::format("{} from {} to port {}", name_of(stream.kind),
+  for (const makers::Stream& stream : contents.survey.streams()) {
+    text += arrivals_text(fmt::format("{} from {} to port {}", name_of(stream.packet_class),
                                       address_text(stream.sender), stream.port),
                           stream.arrivals);
   }

@@ -9,16 +9,16 @@
 #include "daemon/command_line/summary.hpp"
 #include "daemon/pipeline/drive_setup.hpp"
 #include "daemon/protocol/json.hpp"
-#include "daemon/survey/arrivals.hpp"
-#include "daemon/survey/capture_survey.hpp"
+#include "drivers/makers/arrivals.hpp"
+#include "drivers/makers/capture_survey.hpp"
 #include "drivers/measurement/error.hpp"
 
 namespace infuse::daemon {
 
 /// Contents of the files before decoding.
 struct RecordingContents {
-  CaptureSurvey survey;
-  std::map<std::string, Arrivals> other_streams;  ///< "camera 0", "CAN frames", ...
+  makers::CaptureSurvey survey;
+  std::map<std::string, makers::Arrivals> other_streams;  ///< "camera 0", "CAN frames", ...
   std::vector<Error> notes;
   bool has_map = false;
 };

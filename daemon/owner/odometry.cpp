@@ -119,15 +119,9 @@ class Track {
 };
 
 int run(const OdometryArguments& arguments) {
-  std::optional<velodyne::Model> model;
-  if (!arguments.model.empty()) {
-    model = velodyne::find_model(arguments.model);
-    if (!model) {
-      return print_error(kProgram, {"unknown model '" + arguments.model + "'", "--model", ""},
-                         kUsage);
-    }
-  }
-  auto setup = open_drive(arguments.path, {}, {model, {}});
+  const auto model = requested_model(arguments.model);
+  if (!model) return print_error(kProgram, model.error(), kUsage);
+  auto setup = open_drive(arguments.path, {}, {*model, {}});
   if (!setup) return print_error(kProgram, setup.error(), kUnreadable);
   const auto lidar = find_lidar(*setup, arguments.lidar);
   if (!lidar) return print_error(kProgram, lidar.error(), kUsage);

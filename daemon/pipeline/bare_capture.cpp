@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "drivers/recording/capture_reader.hpp"
-#include "drivers/velodyne/sweep_assembler.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -31,10 +30,12 @@ recording::LidarFiles files_of(const std::filesystem::path& path, const LidarOpt
   return files;
 }
 
-recording::LidarFiles files_of(const std::filesystem::path& path, const Stream& stream) {
+recording::LidarFiles files_of(const std::filesystem::path& path, const makers::Stream& stream) {
   recording::LidarFiles files;
   files.packets = path.filename();
   files.port = stream.port;
+  const uint16_t information = stream.maker->ports().information;
+  files.position_port = information != stream.port ? information : stream.port ^ kUnusedPortBit;
   files.sender = stream.sender;
   return files;
 }
@@ -56,23 +57,24 @@ void add_lidar(recording::DriveDescription& description, const std::string& name
 }
 
 /// True if a stream comes from the lidar's address to this port.
-bool is_from(const recording::LidarFiles& files, const Stream& stream, uint16_t port) {
+bool is_from(const recording::LidarFiles& files, const makers::Stream& stream, uint16_t port) {
   return stream.port == port && (!files.sender || *files.sender == stream.sender);
 }
 
-/// True if the lidar's position packets carry RMC or GGA sentences of a GNSS receiver.
-bool has_nmea_sentences(const CaptureSurvey& survey, const recording::LidarFiles& files) {
-  return std::any_of(survey.streams().begin(), survey.streams().end(), [&](const Stream& stream) {
-    return stream.nmea_sentences > 0 && is_from(files, stream, files.position_port);
-  });
+/// True if the lidar's information packets carry fixes of a GNSS receiver.
+bool has_fixes(const makers::CaptureSurvey& survey, const recording::LidarFiles& files) {
+  return std::any_of(survey.streams().begin(), survey.streams().end(),
+                     [&](const makers::Stream& stream) {
+                       return stream.fixes > 0 && is_from(files, stream, files.position_port);
+                     });
 }
 
-std::string describe_contents(const CaptureSurvey& survey) {
+std::string describe_contents(const makers::CaptureSurvey& survey) {
   if (survey.streams().empty()) {
     const std::string unread = survey.describe_unread();
     return "it holds no complete UDP datagrams" + (unread.empty() ? "" : ", but " + unread);
   }
-  const Stream& stream = survey.streams().front();
+  const makers::Stream& stream = survey.streams().front();
   return fmt::format("it holds e.g. {} datagrams of {} bytes from {} to port {}",
                      stream.arrivals.count, stream.last_size, address_text(stream.sender),
                      stream.port);
@@ -80,10 +82,10 @@ std::string describe_contents(const CaptureSurvey& survey) {
 
 }  // namespace
 
-Result<CaptureSurvey> survey_beginning(const std::filesystem::path& path) {
+Result<makers::CaptureSurvey> survey_beginning(const std::filesystem::path& path) {
   auto reader = recording::CaptureReader::open(path);
   if (!reader) return tl::unexpected(reader.error());
-  CaptureSurvey survey;
+  makers::CaptureSurvey survey;
   Datagram datagram;
   for (size_t i = 0; i < kMaxSurveyDatagrams && reader->next(datagram); ++i) survey.add(datagram);
   survey.set_packets(reader->counters());
@@ -91,7 +93,7 @@ Result<CaptureSurvey> survey_beginning(const std::filesystem::path& path) {
 }
 
 Result<recording::Drive> describe_capture(const std::filesystem::path& capture,
-                                          const CaptureSurvey& survey,
+                                          const makers::CaptureSurvey& survey,
                                           const std::vector<LidarOptions>& lidars) {
   const std::filesystem::path path = named_path(capture);
   recording::Drive drive;
@@ -101,13 +103,12 @@ Result<recording::Drive> describe_capture(const std::filesystem::path& capture,
     add_lidar(description, options.name, options.model, files_of(path, options));
   }
   uint64_t max_packets = 0;
-  for (const Stream& stream : survey.streams()) {
-    if (stream.kind == StreamKind::kData)
-      max_packets = std::max(max_packets, stream.arrivals.count);
+  for (const makers::Stream& stream : survey.streams()) {
+    if (stream.has_data()) max_packets = std::max(max_packets, stream.arrivals.count);
   }
-  for (const Stream& stream : survey.streams()) {
+  for (const makers::Stream& stream : survey.streams()) {
     const bool noise = max_packets >= kMinPackets && stream.arrivals.count < kMinPackets;
-    if (!lidars.empty() || stream.kind != StreamKind::kData || noise) continue;
+    if (!lidars.empty() || !stream.has_data() || noise) continue;
     const size_t number = description.lidars.size() + 1;
     add_lidar(description, number == 1 ? "lidar" : fmt::format("lidar{}", number), "",
               files_of(path, stream));
@@ -116,38 +117,37 @@ Result<recording::Drive> describe_capture(const std::filesystem::path& capture,
     return fail("no lidar packets in this capture", path.string(), describe_contents(survey));
   }
   for (size_t i = 0; i < description.lidars.size() && description.gnss_lidar.empty(); ++i) {
-    if (!has_nmea_sentences(survey, description.lidars[i])) continue;
+    if (!has_fixes(survey, description.lidars[i])) continue;
     description.gnss_lidar = description.rig.lidars[i].name;
   }
   if (const auto wrong = description.invalid()) return fail(*wrong, path.string());
   return drive;
 }
 
-const Stream* find_data_stream(const CaptureSurvey& survey, const recording::LidarFiles& files) {
-  const Stream* found = nullptr;
-  for (const Stream& stream : survey.streams()) {
-    if (stream.kind != StreamKind::kData || !is_from(files, stream, files.port)) continue;
+const makers::Stream* find_data_stream(const makers::CaptureSurvey& survey,
+                                       const recording::LidarFiles& files) {
+  const makers::Stream* found = nullptr;
+  for (const makers::Stream& stream : survey.streams()) {
+    if (!stream.has_data() || !is_from(files, stream, files.port)) continue;
     if (found == nullptr || stream.arrivals.count > found->arrivals.count) found = &stream;
   }
   return found;
 }
 
-std::optional<velodyne::Calibration> find_streamed_calibration(const std::filesystem::path& path,
-                                                               const recording::LidarFiles& files,
-                                                               velodyne::Model model) {
-  auto reader = recording::CaptureReader::open(path, {.ports = {files.port}});
-  if (!reader) return std::nullopt;
-  velodyne::SweepAssembler assembler({.model = model, .sender = files.sender.value_or(0)});
+std::shared_ptr<const lidar::UnitCalibration> find_streamed_calibration(
+    const std::filesystem::path& path, const recording::LidarFiles& files,
+    const lidar::DecoderOptions& options) {
+  auto reader = recording::CaptureReader::open(path, {.ports = {files.port, files.position_port}});
+  if (!reader) return nullptr;
+  const auto decoder = lidar::make_decoder(options).value();
   Sweep sweep;
   Datagram datagram;
   for (size_t i = 0; i < kMaxSurveyDatagrams && reader->next(datagram); ++i) {
-    assembler.push(datagram);
-    while (assembler.pull(sweep)) sweep.clear();
-    if (assembler.calibration_source() == velodyne::CalibrationSource::kStream) {
-      return assembler.calibration();
-    }
+    decoder->push(datagram);
+    while (decoder->pull(sweep)) sweep.clear();
+    if (auto calibration = decoder->streamed_calibration()) return calibration;
   }
-  return std::nullopt;
+  return nullptr;
 }
 
 }  // namespace infuse::daemon

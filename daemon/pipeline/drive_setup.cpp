@@ -5,49 +5,41 @@
 #include <algorithm>
 
 #include "daemon/pipeline/bare_capture.hpp"
+#include "drivers/makers/makers.hpp"
 #include "drivers/recording/capture_parts.hpp"
-#include "drivers/velodyne/calibration_file.hpp"
 
 namespace infuse::daemon {
 namespace {
 
-/// A model and the reason for it.
-struct ChosenModel {
-  velodyne::Model model;
-  std::string reason;
-};
-
-std::string known_models() {
-  std::string names = "known:";
-  for (const velodyne::ModelInfo& info : velodyne::models()) {
-    names += fmt::format("{} {}", &info == velodyne::models().data() ? "" : ",", info.name);
-  }
-  return names;
-}
-
-Result<ChosenModel> infer_model(const Stream* stream, const std::string& where) {
-  const std::string advice = "give it with --model; " + known_models();
+Result<lidar::InferredModel> infer_model(const makers::Stream* stream, const std::string& where) {
+  const std::string advice = "give it with --model; " + makers::known_models();
   if (stream == nullptr) return fail("no lidar packets at its beginning", where, advice);
-  const auto inferred = stream->inference.infer();
-  if (inferred) return ChosenModel{inferred->model, "inferred: " + inferred->reason};
-  if (stream->inference.packets() < velodyne::ModelInference::kMinPackets) {
-    return fail(
-        fmt::format("{} lidar packets are too few to infer the model", stream->inference.packets()),
-        where, advice);
+  const lidar::ModelInference& inference = *stream->inference;
+  if (const auto inferred = inference.infer()) {
+    return lidar::InferredModel{inferred->model, "inferred: " + inferred->reason};
   }
-  return fail("the packets are no known model's: " + stream->inference.describe(), where, advice);
+  if (inference.packets() < inference.min_packets()) {
+    return fail(fmt::format("{} lidar packets are too few to infer the model", inference.packets()),
+                where, advice);
+  }
+  return fail("the packets are no known model's: " + inference.describe(), where, advice);
 }
 
-Result<ChosenModel> choose_model(const std::string& configured, const CaptureSurvey& survey,
-                                 const recording::LidarFiles& files, const std::string& where,
-                                 std::optional<velodyne::Model> requested_model) {
-  const Stream* stream = find_data_stream(survey, files);
-  if (!requested_model && configured.empty()) return infer_model(stream, where);
-  const auto model = requested_model ? requested_model : velodyne::find_model(configured);
-  if (!model) return fail(fmt::format("unknown model '{}'", configured), where, known_models());
-  ChosenModel chosen{*model, requested_model ? "requested with --model" : "configured"};
-  const auto inferred = stream != nullptr ? stream->inference.infer() : std::nullopt;
-  if (inferred && inferred->model != *model) chosen.reason += "; but " + inferred->reason;
+Result<lidar::InferredModel> choose_model(const std::string& configured,
+                                          const makers::CaptureSurvey& survey,
+                                          const recording::LidarFiles& files,
+                                          const std::string& where,
+                                          const lidar::LidarModel* requested) {
+  const makers::Stream* stream = find_data_stream(survey, files);
+  if (requested == nullptr && configured.empty()) return infer_model(stream, where);
+  const auto model = requested != nullptr ? requested : makers::find_model(configured);
+  if (model == nullptr) {
+    return fail(fmt::format("unknown model '{}'", configured), where, makers::known_models());
+  }
+  lidar::InferredModel chosen{model,
+                              requested != nullptr ? "requested with --model" : "configured"};
+  const auto inferred = stream != nullptr ? stream->inference->infer() : std::nullopt;
+  if (inferred && inferred->model != model) chosen.reason += "; but " + inferred->reason;
   return chosen;
 }
 
@@ -74,27 +66,25 @@ Result<void> set_up_packets(const recording::Drive& drive, const recording::Lida
   if (!survey) return tl::unexpected(survey.error());
   const auto chosen = choose_model(configured, *survey, files, capture.string(), overrides.model);
   if (!chosen) return tl::unexpected(chosen.error());
-  device.model = velodyne::model_info(chosen->model).name;
+  device.model = chosen->model->name;
   device.model_reason = chosen->reason;
-  lidar.assembler.model = chosen->model;
-  lidar.assembler.cut_azimuth = options.cut_azimuth_deg;
-  lidar.assembler.sender = files.sender.value_or(0);
-  const bool per_unit = velodyne::model_info(chosen->model).calibrated_per_unit;
+  lidar::DecoderOptions& decoder = lidar.decoder;
+  decoder.model = chosen->model;
+  decoder.cut_azimuth = options.cut_azimuth_deg;
+  decoder.sender = files.sender.value_or(0);
+  const bool per_unit = chosen->model->calibrated_per_unit;
+  const auto check = [&] { return lidar::make_decoder(decoder).map([](const auto&) {}); };
   if (files.calibration.empty() && (overrides.calibration.empty() || !per_unit)) {
-    if (per_unit) {
-      lidar.assembler.calibration = find_streamed_calibration(capture, files, chosen->model);
-    }
+    if (auto usable = check(); !usable || !per_unit) return usable;
+    decoder.calibration = find_streamed_calibration(capture, files, decoder);
     return {};
   }
   const std::filesystem::path calibration =
       overrides.calibration.empty() ? drive.resolve(files.calibration) : overrides.calibration;
-  auto loaded = velodyne::load_db_xml(calibration);
+  auto loaded = chosen->model->maker->load_calibration(*chosen->model, calibration);
   if (!loaded) return tl::unexpected(loaded.error());
-  if (auto wrong = loaded->invalid(velodyne::model_info(chosen->model))) {
-    return fail(*wrong, calibration.string(), "check that the file belongs to this model");
-  }
-  lidar.assembler.calibration = *loaded;
-  return {};
+  decoder.calibration = *loaded;
+  return check();
 }
 
 Result<recording::Drive> find_drive(const std::filesystem::path& path,
@@ -187,6 +177,11 @@ Result<void> set_up_streams(const recording::Drive& drive, DriveSetup& setup) {
 }
 
 }  // namespace
+
+Result<const lidar::LidarModel*> requested_model(const std::string& name) {
+  if (name.empty()) return nullptr;
+  return makers::require_model(name, "--model");
+}
 
 Result<DriveSetup> open_drive(const std::filesystem::path& path,
                               const std::vector<LidarOptions>& lidars,

@@ -41,7 +41,7 @@ template <>
 inline constexpr std::array<PoseFrame, 2> kRange<PoseFrame> = {PoseFrame::kOdom, PoseFrame::kMap};
 template <>
 inline constexpr std::array<ClockState::Source, 2> kRange<ClockState::Source> = {
-    ClockState::Source::kNone, ClockState::Source::kTopOfHour};
+    ClockState::Source::kNone, ClockState::Source::kPtp};
 template <>
 inline constexpr std::array<streetmap::TrackState, 2> kRange<streetmap::TrackState> = {
     streetmap::TrackState::kUnsure, streetmap::TrackState::kLost};
@@ -70,9 +70,10 @@ constexpr const char* name_of(RecordState state) {
 constexpr const char* name_of(PoseFrame frame) {
   return frame == PoseFrame::kOdom ? "odom" : "map";
 }
-/// Returns "none", "host", "power_up" or "top_of_hour".
+/// Returns "none", "host", "power_up", "top_of_hour", "utc" or "ptp".
 constexpr const char* name_of(ClockState::Source source) {
-  return std::array{"none", "host", "power_up", "top_of_hour"}[static_cast<size_t>(source)];
+  return std::array{
+      "none", "host", "power_up", "top_of_hour", "utc", "ptp"}[static_cast<size_t>(source)];
 }
 /// Returns "alert-only", "apply" or "apply-within".
 constexpr const char* name_of(monitoring::UpdatePolicy policy) {

@@ -5,15 +5,17 @@
 #include <vector>
 
 #include "daemon/pipeline/pipeline_setup.hpp"
+#include "drivers/lidar/lidar_maker.hpp"
 
 namespace infuse::daemon {
 
 /// What the messages need to know of the sensors.
 struct MessageSetup {
   Rig rig;
-  std::vector<bool> has_packets;                    ///< by lidar; false: decoded sweeps
+  /// By lidar: the maker of its packets, if there is a message for them; null: sweeps are written.
+  std::vector<const lidar::LidarMaker*> packet_makers;
   std::vector<std::optional<PixelFormat>> mosaics;  ///< by camera: of its image files
-  std::optional<size_t> gnss_lidar;                 ///< whose position packets carry the fixes
+  std::optional<size_t> gnss_lidar;                 ///< whose information packets carry the fixes
   bool has_bus = false, has_motion = false;         ///< a bus; a speed or inertial unit of its own
   bool has_gnss = false;
   bool live = false;

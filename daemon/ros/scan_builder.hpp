@@ -6,23 +6,24 @@
 #include <vector>
 
 #include "drivers/ros/messages.hpp"
-#include "drivers/velodyne/packet.hpp"
 
 namespace infuse::daemon {
 
 /// Collects the data packets of a lidar to scans of a turn.
 class ScanBuilder {
  public:
-  /// True if the packet begins a new turn, or the scan is long enough.
-  bool is_due(std::span<const uint8_t> payload, Stamp stamp) const {
+  /// True if a packet that begins at this azimuth (0.01°) begins a new turn, or the scan is long
+  /// enough.
+  bool is_due(uint16_t azimuth, Stamp stamp) const {
     constexpr size_t kMaxPackets = 2000;
     constexpr Duration kMaxSpan{500'000'000};
     if (packets_.empty()) return false;
     const Duration span = stamp - packets_.front().stamp.stamp();
-    return azimuth_of(payload) < azimuth_of(packets_.back().data) ||
-           packets_.size() >= kMaxPackets || span > kMaxSpan || span < Duration::zero();
+    return azimuth < azimuth_ || packets_.size() >= kMaxPackets || span > kMaxSpan ||
+           span < Duration::zero();
   }
-  void add(std::span<const uint8_t> payload, Stamp stamp) {
+  void add(std::span<const uint8_t> payload, uint16_t azimuth, Stamp stamp) {
+    azimuth_ = azimuth;
     ros::VelodynePacket& packet = packets_.emplace_back();
     packet.stamp = ros::Time::from(stamp);
     std::ranges::copy(payload, packet.data.begin());
@@ -40,10 +41,8 @@ class ScanBuilder {
   }
 
  private:
-  static uint16_t azimuth_of(std::span<const uint8_t> payload) {
-    return velodyne::read_u16(payload.data() + 2);
-  }
   std::vector<ros::VelodynePacket> packets_;
+  uint16_t azimuth_ = 0;  // of the last packet
 };
 
 }  // namespace infuse::daemon

@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "drivers/ros/sweep_cloud.hpp"
-#include "drivers/velodyne/position_packet.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -76,18 +75,22 @@ void SensorMessages::write_transforms(Stamp stamp) {
 
 void SensorMessages::add_datagram(size_t lidar, std::span<const uint8_t> payload, Stamp stamp) {
   const LidarTopics& topics = lidar_topics_[lidar];
-  if (payload.size() == velodyne::kPositionPacketSize) {
-    const ros::UInt8MultiArray bytes{
-        {{"bytes", velodyne::kPositionPacketSize, velodyne::kPositionPacketSize}}, 0, payload};
+  const lidar::LidarMaker* maker = setup_.packet_makers[lidar];
+  if (maker == nullptr) return;  // its sweeps are written
+  const lidar::PacketClass packet_class = maker->classify(payload);
+  if (packet_class == lidar::PacketClass::kInformation) {
+    const auto size = static_cast<uint32_t>(payload.size());
+    const ros::UInt8MultiArray bytes{{{"bytes", size, size}}, 0, payload};
     return sink_.write(topics.position_packets, stamp, bytes);
   }
-  if (payload.size() != velodyne::kPacketSize) {
+  if (packet_class != lidar::PacketClass::kData) {
     ++other_datagrams_;
     return;
   }
   if (!sink_.wants(topics.packets)) return scans_[lidar].clear();
-  if (scans_[lidar].is_due(payload, stamp)) write_scan(lidar);
-  scans_[lidar].add(payload, stamp);
+  const uint16_t azimuth = maker->first_azimuth(payload);
+  if (scans_[lidar].is_due(azimuth, stamp)) write_scan(lidar);
+  scans_[lidar].add(payload, azimuth, stamp);
 }
 
 void SensorMessages::write_scan(size_t lidar) {

@@ -35,7 +35,8 @@ class SensorMessages {
   std::map<std::string, std::string> metadata() const;
 
   void write_transforms(Stamp stamp);
-  /// Packets of another length are counted. Position packets are not read.
+  /// Other datagrams than packets are counted; packets for which there is no message are not
+  /// written.
   void add_datagram(size_t lidar, std::span<const uint8_t> payload, Stamp stamp);
   /// A sweep as measured, or as its source has deskewed it.
   void write_sweep(size_t lidar, const Sweep& sweep, Stamp log_time);

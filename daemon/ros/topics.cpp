@@ -31,7 +31,7 @@ std::vector<TopicInfo> list_topics(const MessageSetup& setup) {
   };
   for (size_t k = 0; k < setup.rig.lidars.size(); ++k) {
     const LidarTopics lidar(setup.rig.lidars[k].name);
-    if (setup.has_packets[k]) {
+    if (setup.packet_makers[k] != nullptr) {
       add(lidar.packets, ros::VelodyneScan::kName);
       add(lidar.position_packets, ros::UInt8MultiArray::kName);
     }

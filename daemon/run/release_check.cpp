@@ -10,8 +10,8 @@
 #include "daemon/history/saved_state.hpp"
 #include "daemon/pipeline/pipeline.hpp"
 #include "daemon/run/daemon_host.hpp"
-#include "daemon/run/generated_turn.hpp"
 #include "daemon/sensors/live_setup.hpp"
+#include "drivers/makers/makers.hpp"
 #include "drivers/recording/atomic_file.hpp"
 #include "drivers/text/text_file.hpp"
 
@@ -19,10 +19,10 @@ namespace infuse::daemon {
 namespace {
 
 constexpr size_t kMaxStateBytes = 1 << 20;
-constexpr double kGeneratedRadius = 10;      // m
-constexpr double kRadiusTolerance = 0.1;     // m: the beams' origins
-constexpr uint32_t kGeneratedPackets = 240;  // three turns
-constexpr uint64_t kMinRightSweeps = 2;      // whole ones of these
+constexpr double kGeneratedRadius = 10;              // m
+constexpr double kRadiusTolerance = 0.1;             // m: the beams' origins
+constexpr Duration kGeneratedDuration{320'000'000};  // three turns
+constexpr uint64_t kMinRightSweeps = 2;              // whole ones of these
 constexpr Stamp kGeneratedStart = Stamp::from_ns(1'700'000'000'000'000'000);
 
 ExitCode report_failure(const Error& error, ExitCode code, std::ostream& out) {
@@ -92,26 +92,64 @@ ExitCode test_state(const std::filesystem::path& state, std::ostream& out) {
   return code;
 }
 
-PipelineSetup generated_setup() {
+/// The maker's first model that has an example; null if there is none.
+const lidar::LidarModel* find_example(const lidar::LidarMaker& maker) {
+  for (const lidar::LidarModel& model : maker.models()) {
+    if (!maker.example_packet(model, 0, kGeneratedRadius).empty()) return &model;
+  }
+  return nullptr;
+}
+
+PipelineSetup generated_setup(const lidar::LidarModel& model) {
   PipelineSetup setup;
   LidarSetup lidar{"self-test", true, {}};
-  lidar.assembler.model = velodyne::Model::kVlp16;
+  lidar.decoder.model = &model;
   setup.lidars.push_back(lidar);
-  setup.rig.lidars.push_back(LidarMount{"self-test", "VLP-16"});
-  setup.devices.push_back({"self-test", "lidar", "VLP-16", "generated", "generated", std::nullopt});
+  setup.rig.lidars.push_back(LidarMount{"self-test", model.name});
+  setup.devices.push_back(
+      {"self-test", "lidar", model.name, "generated", "generated", std::nullopt});
   return setup;
 }
 
-void feed_generated(Intake& intake) {
+void feed_generated(Intake& intake, const lidar::LidarModel& model) {
+  const Duration period = model.maker->example_period(model);
+  const uint16_t port = model.maker->ports().data;
   intake.start(kGeneratedStart);
   Stamp stamp = kGeneratedStart;
-  for (uint32_t i = 0; i < kGeneratedPackets; ++i) {
-    const auto payload = generated_packet(i, kGeneratedRadius);
-    stamp = kGeneratedStart + from_seconds((i + 1) * kGeneratedPacketUs * 1e-6);
+  for (uint32_t i = 0; stamp < kGeneratedStart + kGeneratedDuration; ++i) {
+    const auto payload = model.maker->example_packet(model, i, kGeneratedRadius);
+    stamp = kGeneratedStart + (i + 1) * period;
     intake.advance(stamp);
-    intake.add_datagram(LidarIndex(0), {stamp, 0x0A00'0001, 2368, 2368, payload});
+    intake.add_datagram(LidarIndex(0), {stamp, 0x0A00'0001, port, port, payload});
   }
   intake.end(stamp);
+}
+
+/// Decodes generated turns of a model through the threads of a pipeline.
+Result<void> decode_turns(const lidar::LidarModel& model) {
+  const PipelineSetup setup = generated_setup(model);
+  boost::asio::io_context io(1);
+  Server server(io, {}, version(), "0000000000000000");
+  PipelineOptions options;
+  options.odometry.use_lidar = false;
+  Pipeline pipeline(io, setup, options, server, nullptr,
+                    [&] { server.finish(std::chrono::milliseconds(0)); });
+  uint64_t right = 0;
+  pipeline.publisher().add_line_listener(
+      [&](ReportClass report_class, const std::string&, const std::string& line) {
+        if (report_class != ReportClass::kSweep) return;
+        const auto json = nlohmann::json::parse(line, nullptr, false);
+        const auto range = json.find("mean_range");
+        const bool near = range != json.end() && range->is_number() &&
+                          std::abs(range->get<double>() - kGeneratedRadius) < kRadiusTolerance;
+        right += near ? 1 : 0;
+      });
+  pipeline.start([&](std::stop_token) { feed_generated(pipeline.intake(), model); });
+  io.run();
+  if (right >= kMinRightSweeps) return {};
+  return fail("generated packets of a " + std::string(model.name) + " gave " +
+              std::to_string(right) + " right sweeps of " +
+              std::to_string(pipeline.publisher().totals().sweeps));
 }
 
 }  // namespace
@@ -145,28 +183,12 @@ ExitCode test_state_file(const std::filesystem::path& file, int form, const std:
 }
 
 Result<void> decode_generated_turns() {
-  const PipelineSetup setup = generated_setup();
-  boost::asio::io_context io(1);
-  Server server(io, {}, version(), "0000000000000000");
-  PipelineOptions options;
-  options.odometry.use_lidar = false;
-  Pipeline pipeline(io, setup, options, server, nullptr,
-                    [&] { server.finish(std::chrono::milliseconds(0)); });
-  uint64_t right = 0;
-  pipeline.publisher().add_line_listener(
-      [&](ReportClass report_class, const std::string&, const std::string& line) {
-        if (report_class != ReportClass::kSweep) return;
-        const auto json = nlohmann::json::parse(line, nullptr, false);
-        const auto range = json.find("mean_range");
-        const bool near = range != json.end() && range->is_number() &&
-                          std::abs(range->get<double>() - kGeneratedRadius) < kRadiusTolerance;
-        right += near ? 1 : 0;
-      });
-  pipeline.start([&](std::stop_token) { feed_generated(pipeline.intake()); });
-  io.run();
-  if (right >= kMinRightSweeps) return {};
-  return fail("generated packets gave " + std::to_string(right) + " right sweeps of " +
-              std::to_string(pipeline.publisher().totals().sweeps));
+  for (const lidar::LidarMaker* maker : makers::all()) {
+    const lidar::LidarModel* model = find_example(*maker);
+    if (model == nullptr) continue;
+    if (auto decoded = decode_turns(*model); !decoded) return decoded;
+  }
+  return {};
 }
 
 ExitCode self_test(const Config& config, const std::filesystem::path& state, std::ostream& out) {

@@ -23,7 +23,8 @@ ExitCode self_test(const Config& config, const std::filesystem::path& state, std
 ExitCode test_state_file(const std::filesystem::path& file, int form, const std::string& damage,
                          std::ostream& out);
 
-/// Decodes generated turns of a VLP-16 through the threads of a pipeline. Returns what is wrong.
+/// Decodes generated turns of one lidar of every maker through the threads of a pipeline. Returns
+/// what is wrong.
 Result<void> decode_generated_turns();
 
 }  // namespace infuse::daemon

@@ -68,13 +68,6 @@ Result<void> write_trajectory(const std::filesystem::path& path,
                           kitti ? recording::format_kitti(poses) : recording::format_tum(poses));
 }
 
-Result<std::optional<velodyne::Model>> parse_model(const std::string& name) {
-  if (name.empty()) return std::nullopt;
-  const auto model = velodyne::find_model(name);
-  if (!model) return fail("unknown model '" + name + "'", "--model");
-  return model;
-}
-
 Result<std::optional<ReportsFile>> create_reports_file(const std::string& path) {
   if (path.empty()) return std::nullopt;
   return ReportsFile::create(path).map(
@@ -86,7 +79,7 @@ Result<std::optional<ReportsFile>> create_reports_file(const std::string& path) 
 int run_replay(const RunOptions& options, const Config& config) {
   const auto rate = parse_rate(!options.rate.empty() ? options.rate : options.view ? "1" : "max");
   if (!rate) return print_error(kProgram, rate.error(), kUsage);
-  const auto model = parse_model(options.model);
+  const auto model = requested_model(options.model);
   if (!model) return print_error(kProgram, model.error(), kUsage);
   auto setup = open_drive(options.replay, config.lidars, {*model, options.calibration});
   if (!setup) return print_error(kProgram, setup.error(), kUnreadable);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "daemon/survey/capture_survey.hpp"
+#include "drivers/measurement/ipv4_address.hpp"
 
 namespace infuse::daemon {
 namespace {

@@ -20,7 +20,7 @@ LiveReader::LiveReader(const LiveSetup& setup, Intake& intake, const receive::Ti
       gnss_lidar_(setup.gnss_lidar) {
   for (const PortSetup& port : setup.ports) {
     ports_.push_back({port, {"UDP port " + std::to_string(port.udp.port), [this, udp = port.udp] {
-                               return velodyne::UdpSource::open(udp, base_);
+                               return lidar::UdpSource::open(udp, base_);
                              }}});
   }
   for (size_t i = 0; i < setup.cameras.size(); ++i) {
@@ -145,7 +145,7 @@ void LiveReader::count_dropped(Port& port) {
 }
 
 void LiveReader::read_port(Port& port) {
-  velodyne::UdpSource* source = port.source.get();
+  lidar::UdpSource* source = port.source.get();
   for (int batch = 0; batch < kMaxBatchesPerRead; ++batch) {
     const auto count = source->read(datagrams_, [&](const Datagram& datagram) {
       // Count the kernel's drops first: they must not be counted as network losses too.
@@ -210,7 +210,7 @@ void LiveReader::update_source_states() {
   SourceStates& states = intake_.sources();
   for (Port& port : ports_) {
     SourceState& state = port.source.state();
-    if (const velodyne::UdpSource* source = port.source.get()) {
+    if (const lidar::UdpSource* source = port.source.get()) {
       state.buffer_requested = source->buffer_requested();
       state.buffer_granted = source->buffer_granted();
       state.stamp_source = source->stamped_by_hardware() ? "hardware" : "kernel";

@@ -14,9 +14,10 @@
 #include "drivers/camera/v4l2_source.hpp"
 #include "drivers/gnss/nmea.hpp"
 #include "drivers/host/device_watch.hpp"
+#include "drivers/lidar/udp_source.hpp"
+#include "drivers/makers/makers.hpp"
 #include "drivers/vehicle/serial_line_source.hpp"
 #include "drivers/vehicle/socket_can_source.hpp"
-#include "drivers/velodyne/udp_source.hpp"
 
 namespace infuse::daemon {
 
@@ -33,7 +34,7 @@ class LiveReader {
  private:
   struct Port {
     PortSetup setup;
-    ReopeningSource<velodyne::UdpSource> source;
+    ReopeningSource<lidar::UdpSource> source;
     uint64_t reported_dropped = 0;  // already counted by the intake
     uint64_t datagrams = 0;
     uint64_t datagrams_before = 0;  // at the last maintenance
@@ -74,7 +75,7 @@ class LiveReader {
   size_t lidars_;
   std::optional<LidarIndex> gnss_lidar_;
   std::vector<bool> used_;  // by stream index
-  receive::MessageBatch datagrams_{64, velodyne::UdpSource::kMaxDatagramBytes};
+  receive::MessageBatch datagrams_{64, makers::max_datagram()};
   receive::MessageBatch frames_ = vehicle::make_can_batch();
   std::vector<pollfd> poll_set_;
   Stamp last_maintenance_ = Stamp::earliest();

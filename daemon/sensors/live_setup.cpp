@@ -4,11 +4,10 @@
 
 #include <algorithm>
 
-#include "daemon/survey/capture_survey.hpp"
+#include "drivers/lidar/packet_filter.hpp"
+#include "drivers/makers/makers.hpp"
+#include "drivers/measurement/ipv4_address.hpp"
 #include "drivers/recording/drive_toml.hpp"
-#include "drivers/velodyne/calibration_file.hpp"
-#include "drivers/velodyne/model.hpp"
-#include "drivers/velodyne/packet_filter.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -18,7 +17,7 @@ Result<Rig> read_configured_rig(const Config& config) {
   return recording::read_rig(config.resolve(config.rig));
 }
 
-bool same_socket(const velodyne::UdpOptions& a, const velodyne::UdpOptions& b) {
+bool same_socket(const lidar::UdpOptions& a, const lidar::UdpOptions& b) {
   return a.port == b.port && a.address == b.address && a.multicast == b.multicast &&
          a.interface == b.interface && a.tap == b.tap;
 }
@@ -48,7 +47,7 @@ Result<void> check_record_folder(const Config& config) {
   return fail("record.directory is not a folder", folder.string());
 }
 
-void add_port_sender(const velodyne::UdpOptions& udp, const PortSetup::Sender& sender,
+void add_port_sender(const lidar::UdpOptions& udp, const PortSetup::Sender& sender,
                      std::vector<PortSetup>& ports) {
   for (PortSetup& port : ports) {
     if (!same_socket(port.udp, udp)) continue;
@@ -68,36 +67,32 @@ std::string endpoint_of(const LidarOptions& lidar) {
 
 Result<void> set_up_lidar(const Config& config, const LidarOptions& options, const Rig& rig,
                           LiveSetup& setup) {
-  const auto model = velodyne::find_model(options.model);
-  if (!model) {
+  const lidar::LidarModel* model = makers::find_model(options.model);
+  if (model == nullptr) {
     return fail("lidar '" + options.name + "' has no model", options.source,
                 "give it one: model = \"HDL-32E\"");
   }
   LidarSetup lidar{options.name, true, {}};
-  lidar.assembler.model = *model;
-  lidar.assembler.cut_azimuth = options.cut_azimuth_deg;
-  lidar.assembler.sender = parse_address(options.sender).value_or(0);
+  lidar.decoder.model = model;
+  lidar.decoder.cut_azimuth = options.cut_azimuth_deg;
+  lidar.decoder.sender = parse_address(options.sender).value_or(0);
   if (!options.calibration.empty()) {
-    auto loaded = velodyne::load_db_xml(config.resolve(options.calibration));
+    auto loaded = model->maker->load_calibration(*model, config.resolve(options.calibration));
     if (!loaded) return tl::unexpected(loaded.error());
-    if (auto wrong = loaded->invalid(velodyne::model_info(*model))) {
-      return fail(*wrong, config.resolve(options.calibration).string(),
-                  "check that the file belongs to this model");
-    }
-    lidar.assembler.calibration = *loaded;
+    lidar.decoder.calibration = *loaded;
   }
+  if (auto made = lidar::make_decoder(lidar.decoder); !made) return tl::unexpected(made.error());
   const size_t index = setup.lidars.size();
-  const uint32_t sender = lidar.assembler.sender;
+  const uint32_t sender = lidar.decoder.sender;
   add_port_sender(options.udp(options.port), {sender, index, true}, setup.ports);
   if (options.position_port != options.port) {
     add_port_sender(options.udp(options.position_port), {sender, index, false}, setup.ports);
   }
   const LidarMount* mount = rig.find_lidar(options.name);
   setup.rig.lidars.push_back(mount != nullptr ? *mount : LidarMount{options.name, options.model});
-  const auto& info = velodyne::model_info(*model);
   setup.lidars.push_back(std::move(lidar));
   setup.devices.push_back(
-      {options.name, "lidar", info.name, "configured", endpoint_of(options), std::nullopt});
+      {options.name, "lidar", model->name, "configured", endpoint_of(options), std::nullopt});
   return {};
 }
 
@@ -220,7 +215,7 @@ void filter_senders(PortSetup& port) {
   for (const PortSetup::Sender& sender : port.senders) {
     if (sender.address == 0) return;
   }
-  if (port.senders.size() > velodyne::PacketFilter::kMaxSenders) return;
+  if (port.senders.size() > lidar::PacketFilter::kMaxSenders) return;
   for (const PortSetup::Sender& sender : port.senders) port.udp.senders.push_back(sender.address);
 }
 

@@ -19,7 +19,7 @@ struct PortSetup {
     size_t lidar = 0;
     bool data = true;  ///< false: this port receives the lidar's position packets
   };
-  velodyne::UdpOptions udp;
+  lidar::UdpOptions udp;
   std::vector<Sender> senders;
 
   /// Returns the lidar to which a datagram belongs: the one with this sender address, else one

@@ -161,8 +161,7 @@ class BagImport {
       const BagLidar& lidar = summary_.selection.lidars[k];
       const auto sink = packets_.find(lidar.topic);
       if (sink == packets_.end()) continue;
-      if (const auto model = sink->second.model())
-        description_.rig.lidars[k].model = velodyne::model_info(*model).name;
+      if (const auto model = sink->second.model()) description_.rig.lidars[k].model = model->name;
       const bool carries_fixes = !samples_.has_fixes() || metadata("gnss_lidar") == lidar.name;
       if (sink->second.has_positions() && carries_fixes && description_.gnss_lidar.empty())
         description_.gnss_lidar = lidar.name;

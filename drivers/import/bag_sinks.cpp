@@ -6,10 +6,10 @@
 #include "drivers/camera/raw_image.hpp"
 #include "drivers/import/bag_cloud.hpp"
 #include "drivers/import/image_size.hpp"
+#include "drivers/makers/makers.hpp"
 #include "drivers/recording/numbered_files.hpp"
 #include "drivers/recording/sweep_export.hpp"
 #include "drivers/text/text_file.hpp"
-#include "drivers/velodyne/position_packet.hpp"
 
 namespace infuse::importers {
 namespace {
@@ -82,6 +82,14 @@ Result<void> PacketSink::write_positions(Stamp until) {
   return {};
 }
 
+/// The first data packet shows the maker.
+void PacketSink::infer(std::span<const uint8_t> payload) {
+  const lidar::ClassifiedPacket packet = makers::classify(payload);
+  if (packet.packet_class != lidar::PacketClass::kData) return;
+  if (inference_ == nullptr) inference_ = packet.maker->make_inference();
+  inference_->add(payload);
+}
+
 Result<void> PacketSink::add(const ros::VelodyneScan& scan, Stamp log_time) {
   for (const ros::VelodynePacket& packet : scan.packets) {
     const Stamp stamp = packet.stamp.stamp() == Stamp() ? log_time : packet.stamp.stamp();
@@ -90,14 +98,14 @@ Result<void> PacketSink::add(const ros::VelodyneScan& scan, Stamp log_time) {
       continue;
     }
     if (auto done = write_positions(stamp); !done) return done;
-    inference_.add(packet.data);
+    infer(packet.data);
     if (auto done = write(stamp, kDataPort, packet.data); !done) return done;
   }
   return {};
 }
 
 Result<void> PacketSink::add_position(std::span<const uint8_t> payload, Stamp log_time) {
-  if (payload.size() != velodyne::kPositionPacketSize) {
+  if (makers::classify(payload).packet_class != lidar::PacketClass::kInformation) {
     skipped.add("is not a position packet");
     return {};
   }

@@ -3,10 +3,12 @@
 #include <deque>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "drivers/lidar/lidar_maker.hpp"
 #include "drivers/measurement/camera_frame.hpp"
 #include "drivers/measurement/error.hpp"
 #include "drivers/measurement/rig.hpp"
@@ -14,7 +16,6 @@
 #include "drivers/recording/pcap_writer.hpp"
 #include "drivers/recording/times_csv.hpp"
 #include "drivers/ros/messages.hpp"
-#include "drivers/velodyne/model_inference.hpp"
 
 namespace infuse::importers {
 
@@ -49,8 +50,10 @@ class PacketSink {
 
   size_t packets() const { return packets_; }
   bool has_positions() const { return has_positions_; }
-  /// The model that the packets are of, if that is clear.
-  std::optional<velodyne::Model> model() const { return inference_.judge(); }
+  /// The model that the packets are of; null if that is not clear.
+  const lidar::LidarModel* model() const {
+    return inference_ != nullptr ? inference_->judge() : nullptr;
+  }
   SkipCount skipped;
 
  private:
@@ -59,12 +62,13 @@ class PacketSink {
     std::vector<uint8_t> payload;
   };
   explicit PacketSink(recording::PcapWriter writer) : writer_(std::move(writer)) {}
+  void infer(std::span<const uint8_t> payload);
   Result<void> write(Stamp stamp, uint16_t port, std::span<const uint8_t> payload);
   Result<void> write_positions(Stamp until);
 
   recording::PcapWriter writer_;
-  std::deque<Position> positions_;  ///< that wait for the packets before them
-  velodyne::ModelInference inference_;
+  std::deque<Position> positions_;                    ///< that wait for the packets before them
+  std::unique_ptr<lidar::ModelInference> inference_;  ///< null before the first data packet
   size_t packets_ = 0;
   bool has_positions_ = false;
 };

@@ -1,17 +1,17 @@
 #include "drivers/import/folder_import.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <set>
 
 #include "drivers/import/image_size.hpp"
 #include "drivers/import/import_files.hpp"
+#include "drivers/makers/makers.hpp"
 #include "drivers/recording/capture_parts.hpp"
 #include "drivers/recording/capture_reader.hpp"
 #include "drivers/recording/drive_table.hpp"
 #include "drivers/recording/toml_table.hpp"
 #include "drivers/text/text_file.hpp"
-#include "drivers/velodyne/model_inference.hpp"
-#include "drivers/velodyne/packet.hpp"
 
 namespace infuse::importers {
 namespace {
@@ -124,18 +124,20 @@ class FolderImport {
     if (!parts) return fail_key(table, "packets", parts.error().what);
     auto reader = recording::CaptureReader::open(path);
     if (!reader) return fail_key(table, "packets", reader.error().message());
-    velodyne::ModelInference inference;
+    std::unique_ptr<lidar::ModelInference> inference;
     std::set<uint16_t> ports;
     size_t packets = 0;
     for (Datagram datagram; reader->next(datagram);) {
-      if (datagram.payload.size() != velodyne::kPacketSize) continue;
+      const lidar::ClassifiedPacket packet = makers::classify(datagram.payload);
+      if (packet.packet_class != lidar::PacketClass::kData) continue;
       if (ports.size() < 8) ports.insert(datagram.destination_port);
       if (datagram.destination_port != files.port ||
           (files.sender && datagram.sender != *files.sender))
         continue;
       ++packets;
       lidar_time_.add(datagram.stamp);
-      inference.add(datagram.payload);
+      if (inference == nullptr) inference = packet.maker->make_inference();
+      inference->add(datagram.payload);
     }
     if (packets == 0) {
       std::string seen;
@@ -144,17 +146,17 @@ class FolderImport {
                       files.sender         ? "sender"
                       : files.port != 2368 ? "port"
                                            : "packets",
-                      "'" + files.packets + "' has no data packets of a Velodyne lidar to port " +
+                      "'" + files.packets + "' has no data packets of a lidar to port " +
                           std::to_string(files.port),
                       seen.empty() ? "there are none to other ports" : "there are to: " + seen);
     }
     std::string& model = folder_.drive.rig.lidars[k].model;
-    const auto inferred = inference.judge();
-    if (model.empty() && !inferred) {
+    const lidar::LidarModel* inferred = inference->judge();
+    if (model.empty() && inferred == nullptr) {
       return fail_key(table, "model", "the model of the lidar is not clear from its packets",
-                      "give model; " + inference.describe());
+                      "give model; " + inference->describe());
     }
-    if (model.empty()) model = velodyne::model_info(*inferred).name;
+    if (model.empty()) model = inferred->name;
     summary_.packets += packets;
     others_.insert(others_.end(), parts->begin(), parts->end());
     reader->append_notes(summary_.notes);

@@ -195,8 +195,7 @@ class LcmImport {
       if (auto done = sink.finish(); !done) return done;
       summary_.packets += sink.packets();
       sink.skipped.append_notes(description_.rig.lidars[k].name, summary_.notes);
-      if (const auto model = sink.model())
-        description_.rig.lidars[k].model = velodyne::model_info(*model).name;
+      if (const auto model = sink.model()) description_.rig.lidars[k].model = model->name;
       if (sink.has_positions() && description_.gnss_lidar.empty())
         description_.gnss_lidar = description_.rig.lidars[k].name;
     }
@@ -255,7 +254,7 @@ Result<LcmImportSummary> import_lcm(const std::vector<fs::path>& files, const fs
   if (!surveyed) return tl::unexpected(surveyed.error());
   summary.channels = survey.finish();
   if (std::ranges::none_of(summary.channels, &LcmChannel::has_data)) {
-    return fail("has no channel with data packets of a Velodyne lidar",
+    return fail("has no channel with data packets of a lidar",
                 files.empty() ? "" : files.front().string(),
                 "channels: " + describe_channels(summary.channels));
   }

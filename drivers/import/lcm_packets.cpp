@@ -1,31 +1,16 @@
 #include "drivers/import/lcm_packets.hpp"
 
-#include "drivers/velodyne/packet.hpp"
-#include "drivers/velodyne/position_packet.hpp"
+#include "drivers/makers/makers.hpp"
 
 namespace infuse::importers {
 namespace {
 
-constexpr size_t kSentencePlace = 0xCE;  // of a position packet
-
-bool is_block_flag(const uint8_t* bytes) {
-  return bytes[0] == 0xFF &&
-         (bytes[1] == 0xEE || bytes[1] == 0xDD || bytes[1] == 0xCC || bytes[1] == 0xBB);
-}
-
-/// True if bytes are a data packet of any model: all flags, most azimuths.
-bool is_data_packet(std::span<const uint8_t> payload) {
-  size_t azimuths = 0;
-  for (size_t block = 0; block < velodyne::kBlocks; ++block) {
-    const uint8_t* bytes = payload.data() + block * velodyne::kBlockSize;
-    if (!is_block_flag(bytes)) return false;
-    if (velodyne::read_u16(bytes + 2) <= velodyne::kCentidegreesPerTurn) ++azimuths;
+/// The packet of any maker with which bytes begin.
+std::optional<lidar::FoundPacket> find_packet(std::span<const uint8_t> bytes) {
+  for (const lidar::LidarMaker* maker : makers::all()) {
+    if (auto found = maker->find_packet(bytes)) return found;
   }
-  return azimuths > velodyne::kBlocks / 2;
-}
-
-bool is_position_packet(std::span<const uint8_t> payload) {
-  return payload[kSentencePlace] == '$' && velodyne::parse_position_packet(payload).has_value();
+  return std::nullopt;
 }
 
 /// The number of so many bytes before `at`, big-endian; 0 if there is no room.
@@ -43,35 +28,20 @@ bool has_length(std::span<const uint8_t> message, size_t at, size_t size) {
 
 }  // namespace
 
-bool EmbeddedPacket::is_position() const { return payload.size() == velodyne::kPositionPacketSize; }
-
 void find_packets(std::span<const uint8_t> message, std::vector<EmbeddedPacket>& packets) {
   packets.clear();
-  if (message.size() == velodyne::kPositionPacketSize && is_position_packet(message)) {
-    packets.push_back({message});
-    return;
-  }
-  for (size_t at = 0; at + velodyne::kPositionPacketSize <= message.size();) {
-    const bool has_room = at + velodyne::kPacketSize <= message.size();
-    if (has_room && is_block_flag(message.data() + at)) {
-      const auto payload = message.subspan(at, velodyne::kPacketSize);
-      if (is_data_packet(payload)) {
-        const size_t length = has_length(message, at, velodyne::kPacketSize) ? 4 : 0;
-        packets.push_back({payload, number_before(message, at - length, 8)});
-        at += velodyne::kPacketSize;
-        continue;
-      }
+  for (size_t at = 0; at < message.size();) {
+    const auto found = find_packet(message.subspan(at));
+    const bool whole = found && found->size == message.size();
+    const bool has_own_length = found && has_length(message, at, found->size);
+    if (!found || !(found->certain || whole || has_own_length)) {
+      ++at;
+      continue;
     }
-    if (at >= 4 && message[at + kSentencePlace] == '$' &&
-        has_length(message, at, velodyne::kPositionPacketSize)) {
-      const auto payload = message.subspan(at, velodyne::kPositionPacketSize);
-      if (is_position_packet(payload)) {
-        packets.push_back({payload, number_before(message, at - 4, 8)});
-        at += velodyne::kPositionPacketSize;
-        continue;
-      }
-    }
-    ++at;
+    const size_t length = has_own_length ? 4 : 0;
+    packets.push_back({message.subspan(at, found->size), found->packet_class,
+                       number_before(message, at - length, 8)});
+    at += found->size;
   }
 }
 

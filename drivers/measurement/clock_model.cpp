@@ -229,10 +229,11 @@ void ClockModel::fit() {
 void ClockModel::update_state(bool model_holds) {
   state_.offset = offset_at(last_device_);
   state_.skew_ppm = (1 / (1 + line_.slope) - 1) * 1e6;
-  const bool on_the_hour =
-      options_.modulo > kZero &&
-      (hour_confirmed_ || std::chrono::abs(state_.offset) <= options_.hour_tolerance);
-  state_.source = on_the_hour ? ClockState::Source::kTopOfHour : ClockState::Source::kPowerUp;
+  const bool can_agree =
+      options_.modulo > kZero || options_.synchronised != ClockState::Source::kTopOfHour;
+  const bool agrees =
+      can_agree && (hour_confirmed_ || std::chrono::abs(state_.offset) <= options_.hour_tolerance);
+  state_.source = agrees ? options_.synchronised : ClockState::Source::kPowerUp;
   state_.reason = "";
   if (!model_holds) {
     state_.reason = "device time disagrees with arrival times: a jump or a bad packet";

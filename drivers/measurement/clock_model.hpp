@@ -11,7 +11,7 @@
 
 namespace infuse {
 
-/// Parameters of a ClockModel. The defaults fit a Velodyne, which counts from the top of the hour.
+/// Parameters of a ClockModel. The defaults fit a device that counts from the top of the hour.
 struct ClockModelOptions {
   Duration modulo{3'600'000'000'000};  ///< ns; period of the device's counter; 0: it never wraps
   Duration min_delay{0};  ///< ns; minimum delay from the device's stamp to the host's (filling and
@@ -26,8 +26,10 @@ struct ClockModelOptions {
   Duration jump_confirmation{500'000'000};  ///< ns; candidates that agree for this long, and are
                                             ///< not the known delays' chance, are a jump
   Duration max_delay{1'000'000'000};        ///< ns; maximum transport delay
-  /// A counter further off the host's hour than this, ns, counts from power-up.
+  /// A counter further off the host's time (in its `modulo`) than this, ns, counts from power-up.
   Duration hour_tolerance{500'000'000};
+  /// What the counter is, if it agrees with the host's time.
+  ClockState::Source synchronised = ClockState::Source::kTopOfHour;
 
   /// Returns what is wrong with the numbers, or nothing.
   std::optional<std::string> invalid() const;

@@ -16,6 +16,8 @@ struct ClockState {
                  ///< delay
     kTopOfHour,  ///< the device counts from the top of the hour (UTC), plausible against the host's
                  ///< hour
+    kUtc,        ///< the device's clock is UTC, set by a GNSS receiver
+    kPtp,        ///< the device's clock follows a master's by PTP or gPTP
   };
   Source source = Source::kNone;
   bool trusted = false;
@@ -41,6 +43,10 @@ constexpr const char* describe(ClockState::Source source) {
              "transport delay";
     case ClockState::Source::kTopOfHour:
       return "the device counts from the top of the hour";
+    case ClockState::Source::kUtc:
+      return "the device's clock is UTC";
+    case ClockState::Source::kPtp:
+      return "the device's clock is set by PTP";
   }
   return "";
 }

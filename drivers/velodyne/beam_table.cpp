@@ -11,17 +11,17 @@ namespace {
 constexpr double kMaxTurnsPerSecond = 30;
 constexpr double kFocalRange = 131;  // m, from the HDL-64E manual
 
-int max_azimuth_step(const ModelInfo& info) {
-  // The firmware of a VLS-128 may run 5 % slower than the nominal cycle.
-  const double period_s = 1.05 * to_seconds(sequence_period(info, info.cycle));
-  return static_cast<int>(std::ceil(kMaxTurnsPerSecond * 36'000 * period_s));
-}
-
 float correction_slope(double near, double near_at, double far) {
   return static_cast<float>((far - near) / (static_cast<double>(kFarDistance) - near_at));
 }
 
 }  // namespace
+
+int max_azimuth_step(const ModelInfo& info) {
+  // The firmware of a VLS-128 may run 5 % slower than the nominal cycle.
+  const double period_s = 1.05 * to_seconds(sequence_period(info, info.cycle));
+  return static_cast<int>(std::ceil(kMaxTurnsPerSecond * 36'000 * period_s));
+}
 
 BeamTable::BeamTable(Model model, const Calibration& calibration, Duration firing_cycle)
     : info(&model_info(model)),

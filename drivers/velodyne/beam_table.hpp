@@ -10,6 +10,10 @@
 
 namespace infuse::velodyne {
 
+/// Step of azimuth, 0.01°, between two firing sequences above which a model does not turn (30 turns
+/// per second), but jumps.
+int max_azimuth_step(const ModelInfo& info);
+
 /// Packet-independent data of one sensor's beams, laid out for the decoder.
 ///
 /// During a firing sequence the sensor turns by a whole number of hundredths of a degree, the
@@ -33,8 +37,8 @@ struct BeamTable {
   const float* right(size_t step) const { return right_rows.data() + step * info->slots(); }
 
   const ModelInfo* info;
-  Duration cycle{0};  ///< ns; firing cycle
-  int max_step = 0;   ///< 0.01°; a larger step is not a rotation (above 30 turns per second)
+  Duration cycle{0};           ///< ns; firing cycle
+  int max_step = 0;            ///< 0.01°; see `max_azimuth_step`
   int32_t last_firing_ns = 0;  ///< firing time of the last slot, after the sequence's start
   float distance_unit = 0;     ///< m; unit of a packet's distance
 

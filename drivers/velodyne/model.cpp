@@ -1,8 +1,5 @@
 #include "drivers/velodyne/model.hpp"
 
-#include <algorithm>
-#include <cctype>
-
 namespace infuse::velodyne {
 namespace {
 
@@ -15,21 +12,6 @@ constexpr std::array<ModelInfo, 7> kModels{{
     {Model::kHdl64eS3, "HDL-64E S3", 64, 1, 2, 2, 0, Duration(57'600), true, true},
     {Model::kVls128, "VLS-128", 128, 1, 4, 4, 0xA1, Duration(55'280), false, true},
 }};
-
-bool is_same_name(std::string_view a, std::string_view b) {
-  const auto is_alphanumeric = [](char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) != 0;
-  };
-  const auto lower = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
-  size_t i = 0;
-  size_t j = 0;
-  while (true) {
-    while (i < a.size() && !is_alphanumeric(a[i])) ++i;
-    while (j < b.size() && !is_alphanumeric(b[j])) ++j;
-    if (i == a.size() || j == b.size()) return i == a.size() && j == b.size();
-    if (lower(a[i++]) != lower(b[j++])) return false;
-  }
-}
 
 /// Firing time of laser `j` of an HDL-64E bank: four lasers per group, unevenly spaced.
 int32_t hdl64e_time(size_t j, int32_t group_ns, const std::array<int32_t, 4>& in_group_ns) {
@@ -54,14 +36,6 @@ size_t ModelInfo::sequences_per_packet(bool dual_return) const {
 const ModelInfo& model_info(Model model) { return kModels[static_cast<size_t>(model)]; }
 
 std::span<const ModelInfo> models() { return kModels; }
-
-std::optional<Model> find_model(std::string_view name) {
-  const auto at = std::find_if(kModels.begin(), kModels.end(), [&](const ModelInfo& info) {
-    return is_same_name(info.name, name);
-  });
-  if (at == kModels.end()) return std::nullopt;
-  return at->model;
-}
 
 Duration packet_period(const ModelInfo& info, Duration cycle, bool dual_return) {
   return sequence_period(info, cycle) *

@@ -2,9 +2,7 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <span>
-#include <string_view>
 
 #include "drivers/measurement/stamp.hpp"
 
@@ -55,9 +53,6 @@ const ModelInfo& model_info(Model model);
 
 /// All models, in the order of the enumeration.
 std::span<const ModelInfo> models();
-
-/// Finds a model by name; only letters and digits count, case does not ("vlp16", "VLP-16").
-std::optional<Model> find_model(std::string_view name);
 
 /// Time from the start of a firing sequence to the next one's, for a firing cycle.
 constexpr Duration sequence_period(const ModelInfo& info, Duration cycle) {

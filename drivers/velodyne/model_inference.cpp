@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "drivers/velodyne/packet.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
 
 namespace infuse::velodyne {
 namespace {
@@ -16,10 +16,6 @@ constexpr uint16_t kBank3 = 0xBBFF;
 std::string hex(uint8_t byte) {
   constexpr std::string_view kDigits = "0123456789abcdef";
   return {'0', 'x', kDigits[byte >> 4], kDigits[byte & 15]};
-}
-
-const uint8_t* block_at(std::span<const uint8_t> payload, size_t block) {
-  return payload.data() + block * kBlockSize;
 }
 
 /// Difference of a period from the model's, relative to the model's.
@@ -62,14 +58,15 @@ void ModelInference::add(std::span<const uint8_t> payload) {
   if (payload.size() != kPacketSize || read_u16(payload.data()) != kBank0) return;
   ++packets_;
   ++layouts_[static_cast<size_t>(layout_of(payload))];
-  ++product_ids_[payload[1205]];
-  dual_mode_ += payload[1204] == static_cast<uint8_t>(ReturnMode::kDual);
+  ++product_ids_[payload[kProductIdOffset]];
+  dual_mode_ += payload[kReturnModeOffset] == static_cast<uint8_t>(ReturnMode::kDual);
   const auto azimuth = [&](size_t block) { return read_u16(block_at(payload, block) + 2); };
   if (azimuth(0) != azimuth(2) && azimuth(2) != azimuth(4)) {
     ++(azimuth(0) == azimuth(1) && azimuth(2) == azimuth(3) ? repeated_ : unrepeated_);
   }
   if (azimuth(0) > kCentidegreesPerTurn) return;
-  const PacketTracks::Step step = tracks_.add(read_u32(payload.data() + 1200), azimuth(0));
+  const std::chrono::microseconds counter(read_u32(payload.data() + kCounterOffset));
+  const lidar::PacketTracks::Step step = tracks_.add(counter, azimuth(0));
   if (step.period_us <= 0) return;
   periods_us_[periods_++ % kMaxPeriods] = step.period_us;
   turned_ += step.advance;
@@ -103,16 +100,20 @@ int64_t ModelInference::median_period_us() const {
   return periods[static_cast<size_t>(count / 2)];
 }
 
-std::optional<Model> ModelInference::judge() const {
-  if (packets_ < kMinPackets || periods_ == 0) return std::nullopt;
+const ModelInfo* ModelInference::judge_info() const {
+  if (packets_ < kMinPackets || periods_ == 0) return nullptr;
   const int64_t period_us = median_period_us();
-  if (layout() == Layout::kFourBanks) return Model::kVls128;
-  if (layout() == Layout::kTwoBanks) return hdl64e(period_us).model;
+  if (layout() == Layout::kFourBanks) return &model_info(Model::kVls128);
+  if (layout() == Layout::kTwoBanks) return &hdl64e(period_us);
   const ModelInfo* named = named_model(product_id());
-  if (named == nullptr) return std::nullopt;
-  if (fits(*named, period_us, dual())) return named->model;
+  if (named == nullptr || fits(*named, period_us, dual())) return named;
   const ModelInfo* timed = timed_model(period_us, dual());
-  return timed != nullptr ? timed->model : named->model;
+  return timed != nullptr ? timed : named;
+}
+
+const lidar::LidarModel* ModelInference::judge() const {
+  const ModelInfo* judged = judge_info();
+  return judged != nullptr ? &lidar_model(judged->model) : nullptr;
 }
 
 std::string ModelInference::spacing() const {
@@ -131,19 +132,21 @@ std::string ModelInference::describe() const {
   return text;
 }
 
-std::optional<InferredModel> ModelInference::infer() const {
-  const auto judged = judge();
-  if (!judged) return std::nullopt;
-  const ModelInfo& info = model_info(*judged);
-  if (info.banks == 4) return InferredModel{*judged, "blocks of lasers 96 ... 127"};
-  if (info.banks == 2) return InferredModel{*judged, "blocks of lasers 32 ... 63, " + spacing()};
+std::optional<lidar::InferredModel> ModelInference::infer() const {
+  const ModelInfo* judged = judge_info();
+  if (judged == nullptr) return std::nullopt;
+  const ModelInfo& info = *judged;
+  const lidar::LidarModel* model = &lidar_model(info.model);
+  if (info.banks == 4) return lidar::InferredModel{model, "blocks of lasers 96 ... 127"};
+  if (info.banks == 2)
+    return lidar::InferredModel{model, "blocks of lasers 32 ... 63, " + spacing()};
   const ModelInfo& named = *named_model(product_id());
   const std::string claim = "product byte " + hex(product_id()) + " says " + named.name;
-  if (named.model != *judged) {
-    return InferredModel{*judged, spacing() + ": a " + info.name + "'s, though " + claim};
+  if (named.model != info.model) {
+    return lidar::InferredModel{model, spacing() + ": a " + info.name + "'s, though " + claim};
   }
   const bool fit = fits(info, median_period_us(), dual());
-  return InferredModel{*judged, claim + ", " + spacing() + (fit ? "" : " fit no model")};
+  return lidar::InferredModel{model, claim + ", " + spacing() + (fit ? "" : " fit no model")};
 }
 
 double ModelInference::turns_per_second() const {

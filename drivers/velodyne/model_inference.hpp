@@ -6,50 +6,35 @@
 #include <span>
 #include <string>
 
-#include "drivers/velodyne/model.hpp"
-#include "drivers/velodyne/packet_tracks.hpp"
+#include "drivers/lidar/model_inference.hpp"
+#include "drivers/lidar/packet_tracks.hpp"
+#include "drivers/velodyne/packet.hpp"
 
 namespace infuse::velodyne {
-
-/// A model and the reason for it.
-struct InferredModel {
-  Model model = Model::kHdl32e;
-  std::string reason;  ///< "packets 1327 us apart are a VLP-16's, though product byte 0x21 says …"
-};
 
 /// Infers the model of a sensor from its packets, by majority: the flags of blocks, the period of
 /// packets, repeated azimuths (two returns), and the product byte (which is wrong on early VLP-16
 /// firmware, and missing on an HDL-64E). Allocates nothing but the reason.
-class ModelInference {
+class ModelInference final : public lidar::ModelInference {
  public:
   /// Number of packets from which a model is inferred.
   static constexpr uint64_t kMinPackets = 8;
 
-  /// Adds the payload of a packet of the data port; other payloads are ignored.
-  void add(std::span<const uint8_t> payload);
+  void add(std::span<const uint8_t> payload) override;
+  std::optional<lidar::InferredModel> infer() const override;
+  std::string describe() const override;
 
-  /// Nothing while fewer than 8 packets have been seen, or if no model fits them.
-  std::optional<InferredModel> infer() const;
-
-  /// What is known of the packets: "product byte 0x99, packets 553 us apart".
-  std::string describe() const;
-
-  /// The same as `infer` without the reason.
-  std::optional<Model> judge() const;
-
-  /// Turns per second by azimuth over the device's time, whatever the model; 0 while unknown.
-  double turns_per_second() const;
-
-  /// Number of data packets seen.
-  uint64_t packets() const { return packets_; }
-
-  /// True if packets of two sensors alternate.
-  bool has_two_sensors() const;
+  const lidar::LidarModel* judge() const override;
+  double turns_per_second() const override;
+  uint64_t packets() const override { return packets_; }
+  uint64_t min_packets() const override { return kMinPackets; }
+  bool has_two_sensors() const override;
 
  private:
   /// Layout of a packet's blocks.
   enum class Layout : uint8_t { kOneBank, kTwoBanks, kFourBanks };
 
+  const ModelInfo* judge_info() const;
   static Layout layout_of(std::span<const uint8_t> payload);
   Layout layout() const;
   bool dual() const;
@@ -58,7 +43,7 @@ class ModelInference {
   std::string spacing() const;
 
   static constexpr size_t kMaxPeriods = 63;
-  PacketTracks tracks_;
+  lidar::PacketTracks tracks_{std::chrono::microseconds(kHourUs)};
   std::array<int64_t, kMaxPeriods> periods_us_{};  ///< the latest
   uint64_t periods_ = 0;
   uint64_t packets_ = 0;

@@ -6,14 +6,6 @@ namespace {
 /// Flag at the beginning of a block of each bank.
 constexpr std::array<uint16_t, 4> kBankFlags{0xEEFF, 0xDDFF, 0xCCFF, 0xBBFF};
 
-constexpr size_t kCounterOffset = 1200;
-constexpr size_t kReturnModeOffset = 1204;
-constexpr size_t kProductIdOffset = 1205;
-
-const uint8_t* block_at(std::span<const uint8_t> payload, size_t block) {
-  return payload.data() + block * kBlockSize;
-}
-
 /// An HDL-64E S3 with two returns repeats each azimuth: blocks 0 1 0 1 2 3 2 3 4 5 4 5.
 bool repeats_azimuths(std::span<const uint8_t> payload) {
   const auto azimuth = [&](size_t block) { return read_u16(block_at(payload, block) + 2); };

@@ -2,10 +2,12 @@
 
 #include <array>
 #include <cstdint>
-#include <numbers>
 #include <span>
 #include <tl/expected.hpp>
 
+#include "drivers/lidar/arrival_order.hpp"
+#include "drivers/lidar/azimuth.hpp"
+#include "drivers/lidar/little_endian.hpp"
 #include "drivers/velodyne/model.hpp"
 
 namespace infuse::velodyne {
@@ -16,19 +18,27 @@ inline constexpr size_t kPacketSize = 1206;
 inline constexpr size_t kBlocks = 12;
 /// Bytes of a block: flag, azimuth, 32 returns of 3 bytes.
 inline constexpr size_t kBlockSize = 100;
-/// A turn, in the packets' unit of azimuth (0.01°).
-inline constexpr int kCentidegreesPerTurn = 36'000;
+using lidar::kCentidegree;
+using lidar::kCentidegreesPerTurn;
+using lidar::kNoAzimuth;
+using lidar::read_u16;
+using lidar::read_u32;
 
-/// Stands for an azimuth above 360°, until `repair_azimuths` has replaced it.
-inline constexpr uint16_t kNoAzimuth = 0xFFFF;
-
-/// The packets' unit of azimuth, rad.
-inline constexpr double kCentidegree = std::numbers::pi / 18000;
 /// Microseconds in an hour, after which the counter wraps.
 inline constexpr int64_t kHourUs = 3'600'000'000;
 
+/// Places of the counter and of the last two bytes in a data packet's payload.
+inline constexpr size_t kCounterOffset = 1200;
+inline constexpr size_t kReturnModeOffset = 1204;
+inline constexpr size_t kProductIdOffset = 1205;
+
 /// The payload of a data packet.
 using PacketBytes = std::span<const uint8_t, kPacketSize>;
+
+/// The bytes of a block of a data packet.
+inline const uint8_t* block_at(std::span<const uint8_t> payload, size_t block) {
+  return payload.data() + block * kBlockSize;
+}
 
 /// Reason why bytes are not a data packet of the model.
 enum class PacketFault : uint8_t {
@@ -74,19 +84,11 @@ tl::expected<Packet, PacketFault> parse_packet(const ModelInfo& info,
 
 /// Difference of two counters, µs, across the top of the hour: in ±30 minutes.
 constexpr int64_t counter_difference_us(uint32_t later, uint32_t earlier) {
-  int64_t difference = static_cast<int64_t>(later) - static_cast<int64_t>(earlier);
-  if (difference > kHourUs / 2) difference -= kHourUs;
-  if (difference < -kHourUs / 2) difference += kHourUs;
-  return difference;
-}
-
-/// Little-endian, from any address.
-constexpr uint16_t read_u16(const uint8_t* bytes) {
-  return static_cast<uint16_t>(bytes[0] | bytes[1] << 8);
-}
-/// Little-endian, from any address.
-constexpr uint32_t read_u32(const uint8_t* bytes) {
-  return static_cast<uint32_t>(read_u16(bytes)) | static_cast<uint32_t>(read_u16(bytes + 2)) << 16;
+  using std::chrono::microseconds;
+  return lidar::counter_difference(microseconds(later), microseconds(earlier),
+                                   microseconds(kHourUs))
+             .count() /
+         1000;
 }
 
 }  // namespace infuse::velodyne

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "drivers/lidar/return_arrays.hpp"
 #include "drivers/measurement/instruction_set.hpp"
 #include "drivers/velodyne/beam_table.hpp"
 
@@ -27,16 +28,7 @@ struct EchoKinds {
   ReturnKind second = ReturnKind::kLast;
 };
 
-/// Output arrays: those of a sweep, with room for `kKernelSlack` returns beyond the last.
-struct ReturnArrays {
-  float *x, *y, *z, *range, *reflectivity;
-  uint16_t *ring, *column;
-  int32_t* time_offset_ns;
-  ReturnKind* return_kind;
-};
-
-/// Number of entries that the kernel may write beyond the last return.
-inline constexpr size_t kKernelSlack = 8;
+using lidar::ReturnArrays;
 
 /// Appends the returns (distance not 0) of the sequences to the `size` existing ones, and returns
 /// the new size. With two returns, equal echoes of one pulse become one of kind `kBoth`.

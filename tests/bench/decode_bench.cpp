@@ -20,7 +20,8 @@
 #include <string>
 #include <vector>
 
-#include "drivers/velodyne/sweep_assembler.hpp"
+#include "drivers/velodyne/decoder.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
 #include "fixtures/simulator/drive_writer.hpp"
 #include "fixtures/velodyne/packet_encoder.hpp"
 #include "tests/folders.hpp"
@@ -112,7 +113,7 @@ Input load_capture(const char* name, Model model) {
 }
 
 void run_ours(benchmark::State& state, Model model, const Input& input) {
-  velodyne::SweepAssembler assembler({.model = model});
+  velodyne::Decoder assembler({.model = &velodyne::lidar_model(model)});
   Sweep sweep;
   for ([[maybe_unused]] auto _ : state) {
     for (size_t i = 0; i < input.packets.size(); ++i) {
@@ -168,7 +169,9 @@ std::vector<int> our_ranges(Model model, const Input& input) {
   for (size_t i = 0; i < uncorrected.beams.size(); ++i) {
     uncorrected.beams[i].elevation = velodyne::built_in_calibration(model).beams[i].elevation;
   }
-  velodyne::SweepAssembler assembler({.model = model, .calibration = uncorrected});
+  velodyne::Decoder assembler(
+      {.model = &velodyne::lidar_model(model),
+       .calibration = std::make_shared<velodyne::UnitCalibration>(uncorrected)});
   Sweep sweep;
   std::vector<int> ranges;
   const auto collect = [&] {

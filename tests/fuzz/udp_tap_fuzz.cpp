@@ -2,10 +2,10 @@
 
 #include <cstdlib>
 
-#include "drivers/velodyne/udp_tap.hpp"
+#include "drivers/lidar/udp_tap.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  const auto datagram = infuse::velodyne::parse_tapped({data, size});
+  const auto datagram = infuse::lidar::parse_tapped({data, size});
   if (!datagram) return 0;
   uint32_t sum = 0;
   for (const uint8_t byte : datagram->payload) sum += byte;

@@ -14,8 +14,6 @@
 #include "drivers/mcap/mcap_reader.hpp"
 #include "drivers/recording/mapped_file.hpp"
 #include "drivers/text/text_file.hpp"
-#include "drivers/velodyne/packet.hpp"
-#include "drivers/velodyne/position_packet.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -25,8 +23,13 @@ class DriveExport {
  public:
   DriveExport(const DriveSetup& setup, RosFile& file, bool deskew)
       : setup_(setup), messages_(message_setup(setup), file), vehicle_(setup.vehicle) {
-    for (size_t k = 0; deskew && k < setup.rig.lidars.size(); ++k) {
-      intakes_.push_back(std::make_unique<LidarIntake>(setup.lidars[k]));
+    const MessageSetup messages = message_setup(setup);
+    for (size_t k = 0; k < setup.rig.lidars.size(); ++k) {
+      const bool has_messages = messages.packet_makers[k] != nullptr;
+      writes_raw_.push_back(setup.lidars[k].has_packets && !has_messages);
+      const bool decodes = deskew || writes_raw_[k];
+      intakes_.push_back(decodes ? std::make_unique<LidarIntake>(setup.lidars[k]) : nullptr);
+      if (!deskew) continue;
       deskewed_.push_back(std::make_unique<DeskewedSweeps>(setup.rig.lidars[k].T_vehicle_lidar,
                                                            OdometrySettings{}));
     }
@@ -57,10 +60,10 @@ class DriveExport {
 
   void finish(std::vector<Error>& notes) {
     messages_.finish();
-    for (size_t k = 0; k < deskewed_.size(); ++k) {
-      intakes_[k]->finish([&](Sweep& sweep) { deskewed_[k]->add_sweep(sweep); });
-      deskewed_[k]->finish(deskewed_writer(k));
+    for (size_t k = 0; k < intakes_.size(); ++k) {
+      if (intakes_[k] != nullptr) intakes_[k]->finish([&](Sweep& sweep) { add_decoded(k, sweep); });
     }
+    for (size_t k = 0; k < deskewed_.size(); ++k) deskewed_[k]->finish(deskewed_writer(k));
     messages_.append_notes(notes);
     const auto note = [&](size_t count, const char* what) {
       if (count > 0) notes.push_back({std::to_string(count) + " " + what, "", ""});
@@ -75,24 +78,26 @@ class DriveExport {
   void write_datagram(const recording::DatagramEvent& event) {
     const size_t lidar = event.lidar;
     const Datagram& datagram = event.datagram;
-    const bool position = datagram.payload.size() == velodyne::kPositionPacketSize;
     if (lidar == recording::kNoLidar) return messages_.count_other_datagram();
     messages_.add_datagram(lidar, datagram.payload, datagram.stamp);
-    if (!position && datagram.payload.size() != velodyne::kPacketSize) return;
-    if (!intakes_.empty()) {
-      intakes_[lidar]->add_datagram(
-          datagram, [&](Sweep& sweep) { deskewed_[lidar]->add_sweep(sweep); },
-          [](const GnssFix&) {});
+    const lidar::LidarMaker& maker = *setup_.lidars[lidar].decoder.model->maker;
+    const lidar::PacketClass packet_class = maker.classify(datagram.payload);
+    if (packet_class == lidar::PacketClass::kOther) return;
+    if (intakes_[lidar] != nullptr) {
+      intakes_[lidar]->add_datagram(datagram, [&](Sweep& sweep) { add_decoded(lidar, sweep); });
     }
-    if (!position || setup_.gnss_lidar != lidar) return;
-    const auto packet = velodyne::parse_position_packet(datagram.payload);
-    if (packet && packet->sentence)
-      messages_.write_fix(gnss::stamped_fix(*packet->sentence, datagram.stamp));
+    if (packet_class != lidar::PacketClass::kInformation || setup_.gnss_lidar != lidar) return;
+    if (const auto fix = maker.read_fix(datagram)) messages_.write_fix(*fix);
+  }
+
+  void add_decoded(size_t lidar, const Sweep& sweep) {
+    if (writes_raw_[lidar]) messages_.write_sweep(lidar, sweep, sweep.stamp + sweep.span);
+    if (!deskewed_.empty()) deskewed_[lidar]->add_sweep(sweep);
   }
 
   void write_sweep(const Sweep& sweep, size_t lidar, Stamp log_time) {
     messages_.write_sweep(lidar, sweep, log_time);
-    if (!intakes_.empty() && !sweep.deskewed) {
+    if (!deskewed_.empty() && !sweep.deskewed) {
       intakes_[lidar]->add_sweep(sweep, [&](Sweep& s) { deskewed_[lidar]->add_sweep(s); });
     }
   }
@@ -132,8 +137,9 @@ class DriveExport {
   const DriveSetup& setup_;
   SensorMessages messages_;
   VehicleIntake vehicle_;
-  std::vector<std::unique_ptr<LidarIntake>> intakes_;  ///< empty: nothing is deskewed
-  std::vector<std::unique_ptr<DeskewedSweeps>> deskewed_;
+  std::vector<bool> writes_raw_;  ///< by lidar: there is no message for its packets
+  std::vector<std::unique_ptr<LidarIntake>> intakes_;      ///< by lidar; null: it is not decoded
+  std::vector<std::unique_ptr<DeskewedSweeps>> deskewed_;  ///< empty: nothing is deskewed
   bool started_ = false;
   size_t unreadable_images_ = 0, not_deskewed_ = 0;
 };

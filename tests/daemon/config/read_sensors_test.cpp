@@ -46,7 +46,7 @@ TEST(Config, LiveSensorsAreRead) {
   ASSERT_TRUE(config) << config.error().message();
   EXPECT_EQ(config->rig, "rig.toml");
   ASSERT_EQ(config->lidars.size(), 1U);
-  const velodyne::UdpOptions udp = config->lidars[0].udp(8309);
+  const lidar::UdpOptions udp = config->lidars[0].udp(8309);
   EXPECT_EQ(udp.port, 8309);
   EXPECT_EQ(udp.address, "10.0.0.1");
   EXPECT_EQ(udp.multicast, "239.1.1.1");

@@ -18,7 +18,7 @@ using ItemKind = StreamItem::Kind;
 class IntakeTest : public testing::Test {
  protected:
   IntakeTest() {
-    setup_.lidars.push_back({.name = "top", .has_packets = false, .assembler = {}});
+    setup_.lidars.push_back({.name = "top", .has_packets = false, .decoder = {}});
     setup_.cameras.resize(2);
     setup_.rig.lidars.push_back({.name = "top"});
     setup_.rig.cameras.push_back({.name = "front", .lidar = "top"});

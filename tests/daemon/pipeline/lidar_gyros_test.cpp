@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/pipeline/odometry_tracker.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
 #include "fixtures/velodyne/position_encoder.hpp"
 #include "tests/daemon/pipeline/run_replay.hpp"
 #include "tests/fusion/motion/simulated_sensors.hpp"
@@ -19,7 +20,7 @@ using motion::seconds;
 /// Readings that an intake returns for a position packet with raw gyro values 1, −2 and 2047.
 std::vector<GyroReadings> readings_of(velodyne::Model model) {
   LidarSetup setup;
-  setup.assembler.model = model;
+  setup.decoder.model = &velodyne::lidar_model(model);
   LidarIntake intake(setup);
   std::vector<GyroReadings> out;
   fixtures::PositionPacketFields fields;

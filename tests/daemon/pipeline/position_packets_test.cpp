@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "drivers/velodyne/velodyne_maker.hpp"
 #include "fixtures/scene/capture.hpp"
 #include "fixtures/velodyne/position_encoder.hpp"
 #include "tests/daemon/pipeline/run_replay.hpp"
@@ -15,7 +16,8 @@ namespace {
 std::vector<GnssFix> fixes_of(const std::vector<std::string>& sentences, uint32_t sender = 7,
                               uint32_t expected_sender = 0) {
   LidarSetup setup;
-  setup.assembler.sender = expected_sender;
+  setup.decoder.model = &velodyne::lidar_model(velodyne::Model::kHdl32e);
+  setup.decoder.sender = expected_sender;
   LidarIntake intake(setup);
   std::vector<GnssFix> fixes;
   for (size_t i = 0; i < sentences.size(); ++i) {

@@ -4,6 +4,7 @@
 
 #include "daemon/ros/report_messages.hpp"
 #include "daemon/ros/sensor_messages.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
 #include "tests/drivers/lcm/lcm_receiver.hpp"
 
 namespace infuse::daemon {
@@ -12,7 +13,7 @@ namespace {
 MessageSetup one_lidar() {
   MessageSetup setup{.live = true};
   setup.rig.lidars = {LidarMount{.name = "top"}};
-  setup.has_packets = {true};
+  setup.packet_makers = {&velodyne::maker()};
   return setup;
 }
 

@@ -5,6 +5,7 @@
 #include "drivers/mcap/mcap_reader.hpp"
 #include "drivers/ros/messages.hpp"
 #include "drivers/text/text_file.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace infuse::daemon {
@@ -13,7 +14,7 @@ namespace {
 MessageSetup one_lidar_setup(bool live) {
   MessageSetup setup{.live = live};
   setup.rig.lidars = {LidarMount{.name = "top"}};
-  setup.has_packets = {true};
+  setup.packet_makers = {&velodyne::maker()};
   return setup;
 }
 

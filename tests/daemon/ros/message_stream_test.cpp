@@ -12,6 +12,7 @@
 #include "drivers/recording/mapped_file.hpp"
 #include "drivers/recording/speed_csv.hpp"
 #include "drivers/text/text_file.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
 #include "fixtures/scene/capture.hpp"
 #include "tests/scratch_folder.hpp"
 
@@ -186,7 +187,7 @@ class SlowSink : public MessageSink {
 MessageSetup live_setup() {
   MessageSetup setup{.live = true};
   setup.rig.lidars = {LidarMount{.name = "top"}};
-  setup.has_packets = {true};
+  setup.packet_makers = {&velodyne::maker()};
   return setup;
 }
 

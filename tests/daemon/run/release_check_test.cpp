@@ -7,7 +7,6 @@
 
 #include "daemon/calibration/saved_calibrations.hpp"
 #include "daemon/history/saved_state.hpp"
-#include "daemon/run/generated_turn.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace infuse::daemon {
@@ -84,15 +83,6 @@ TEST_F(SelfTestTest, ExitCodesTellWhatFailed) {
   config_ = {};
   std::ostringstream out;
   EXPECT_NE(self_test(config_, folder_ / "none" / "such", out), kDone);
-}
-
-TEST(GeneratedPacket, IsAPacketOfItsModel) {
-  const auto& model = velodyne::model_info(velodyne::Model::kVlp16);
-  for (const uint32_t index : {0U, 1U, 75U, 1'000'000U}) {
-    const auto packet = velodyne::parse_packet(model, generated_packet(index, 10));
-    ASSERT_TRUE(packet) << index;
-    EXPECT_FALSE(packet->dual());
-  }
 }
 
 TEST(DecodeGeneratedTurns, GivesSweepsOfTheirRadius) { EXPECT_TRUE(decode_generated_turns()); }

@@ -5,6 +5,7 @@
 
 #include "daemon/pipeline/lidar_intake.hpp"
 #include "drivers/recording/pcap_reader.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
 #include "fixtures/scene/capture.hpp"
 
 namespace infuse::daemon {
@@ -22,7 +23,7 @@ LidarCounters counters_with_loss(uint64_t from, uint64_t to, uint64_t by_kernel,
   std::filesystem::remove(path);
   EXPECT_TRUE(reader.has_value());
   LidarSetup setup;
-  setup.assembler.model = velodyne::Model::kVlp16;
+  setup.decoder.model = &velodyne::lidar_model(velodyne::Model::kVlp16);
   LidarIntake intake(setup);
   intake.add_kernel_dropped(positions, false);
   uint64_t network_before = 0;

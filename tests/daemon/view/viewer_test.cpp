@@ -12,6 +12,7 @@
 #include "daemon/view/foxglove_protocol.hpp"
 #include "daemon/view/view_server.hpp"
 #include "drivers/ros/messages.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -55,7 +56,7 @@ TEST(FoxgloveProtocol, OnlySubscriptionsAreRead) {
 MessageSetup setup(bool live) {
   MessageSetup messages{.live = live};
   messages.rig.lidars = {LidarMount{.name = "top"}};
-  messages.has_packets = {true};
+  messages.packet_makers = {&velodyne::maker()};
   messages.has_motion = true;
   return messages;
 }

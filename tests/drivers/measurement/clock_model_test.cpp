@@ -111,6 +111,19 @@ TEST(ClockModel, DetectsAndMapsACounterFromPowerUp) {
   }
 }
 
+TEST(ClockModel, AClockThatIsNotACounterAgreesWithTheHostsOrIsNotSet) {
+  for (const Duration phase : std::vector<Duration>{0ns, -300ms, 2s}) {
+    Device device{.phase = phase, .modulo = 0ns};
+    ClockModelOptions options;
+    options.modulo = 0ns;
+    options.synchronised = ClockState::Source::kPtp;
+    ClockModel model(options);
+    max_error(model, device, 10s);
+    EXPECT_EQ(model.state().source,
+              phase == 2s ? ClockState::Source::kPowerUp : ClockState::Source::kPtp);
+  }
+}
+
 TEST(ClockModel, ToleratesAHostClockHalfASecondOff) {
   Device device{.phase = 400ms};
   ClockModel model{{}};

@@ -119,8 +119,9 @@ TEST(Sweep, ClearResetsEveryMember) {
 
 TEST(ClockState, EverySourceHasItsOwnDescription) {
   std::vector<std::string> texts;
-  for (const auto source : {ClockState::Source::kNone, ClockState::Source::kHost,
-                            ClockState::Source::kPowerUp, ClockState::Source::kTopOfHour}) {
+  for (const auto source :
+       {ClockState::Source::kNone, ClockState::Source::kHost, ClockState::Source::kPowerUp,
+        ClockState::Source::kTopOfHour, ClockState::Source::kUtc, ClockState::Source::kPtp}) {
     const std::string text = describe(source);
     EXPECT_FALSE(text.empty());
     for (const std::string& other : texts) EXPECT_NE(text, other);

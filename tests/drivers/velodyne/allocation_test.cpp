@@ -2,7 +2,8 @@
 
 #include <array>
 
-#include "drivers/velodyne/sweep_assembler.hpp"
+#include "drivers/velodyne/decoder.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
 #include "tests/allocation_counter.hpp"
 #include "tests/drivers/velodyne/oracle.hpp"
 
@@ -18,13 +19,13 @@ TEST(Streaming, AllocatesNothingAfterTheFirstSweeps) {
       scene.packets[i].payload[i % 1200] ^= 0x55;
       scene.packets[i + 3] = scene.packets[i + 2];
     }
-    SweepAssembler assembler({.model = model});
+    Decoder decoder({.model = &lidar_model(model)});
     std::array<Sweep, 2> slots;  // as in a ring: each grows once
     size_t sweeps = 0;
     size_t warm = 0;
     for (const SentPacket& packet : scene.packets) {
-      assembler.push(packet.datagram());
-      while (assembler.pull(slots[sweeps % 2])) {
+      decoder.push(packet.datagram());
+      while (decoder.pull(slots[sweeps % 2])) {
         if (++sweeps == 4) warm = allocation_count();
       }
     }

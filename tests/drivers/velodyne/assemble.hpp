@@ -1,28 +1,37 @@
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <vector>
 
-#include "drivers/velodyne/sweep_assembler.hpp"
+#include "drivers/velodyne/decoder.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
 
 namespace infuse::velodyne {
 
-/// All sweeps that an assembler makes of these datagrams (any range of elements with `datagram()`),
+/// A calibration as the decoder's options carry it.
+inline std::shared_ptr<const lidar::UnitCalibration> share(
+    const std::optional<Calibration>& calibration) {
+  return calibration ? std::make_shared<UnitCalibration>(*calibration) : nullptr;
+}
+
+/// All sweeps that a decoder makes of these datagrams (any range of elements with `datagram()`),
 /// the last one included.
 template <class Datagrams>
-std::vector<Sweep> assemble(SweepAssembler& assembler, const Datagrams& datagrams) {
+std::vector<Sweep> assemble(Decoder& decoder, const Datagrams& datagrams) {
   std::vector<Sweep> sweeps;
   Sweep sweep;
   const auto drain = [&] {
-    while (assembler.pull(sweep)) {
+    while (decoder.pull(sweep)) {
       sweeps.push_back(std::move(sweep));
       sweep = Sweep();
     }
   };
   for (const auto& captured : datagrams) {
-    assembler.push(captured.datagram());
+    decoder.push(captured.datagram());
     drain();
   }
-  assembler.finish();
+  decoder.finish();
   drain();
   return sweeps;
 }

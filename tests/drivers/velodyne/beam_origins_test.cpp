@@ -56,9 +56,9 @@ std::vector<Point> low_points(const std::filesystem::path& path, Model model,
                               const Calibration& calibration) {
   std::vector<CapturedDatagram> packets = read_capture(path);
   std::erase_if(packets, [](const auto& p) { return p.payload.size() != kPacketSize; });
-  SweepAssembler assembler({.model = model, .calibration = calibration});
+  Decoder decoder({.model = &lidar_model(model), .calibration = share(calibration)});
   std::vector<Point> points;
-  for (const Sweep& sweep : assemble(assembler, packets)) {
+  for (const Sweep& sweep : assemble(decoder, packets)) {
     for (size_t i = 0; i < sweep.size(); ++i) {
       const Eigen::Vector3d at(sweep.x[i], sweep.y[i], sweep.z[i]);
       if (at.z() < -0.3 && at.head<2>().norm() < 25) points.push_back({at, sweep.ring[i]});

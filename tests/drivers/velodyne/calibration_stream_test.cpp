@@ -117,10 +117,10 @@ TEST(CalibrationStream, AssemblerUsesTheCalibrationThatTheSensorSends) {
   options.start_azimuth = 0;
   options.calibration = fixtures::quantise_calibration(built_in_calibration(Model::kHdl64eS2));
   const Scene scene = make_scene(options);
-  SweepAssembler assembler({.model = options.model});
-  EXPECT_EQ(assembler.calibration_source(), CalibrationSource::kBuiltIn);
-  const std::vector<Sweep> sweeps = assemble(assembler, scene.packets);
-  EXPECT_EQ(assembler.calibration_source(), CalibrationSource::kStream);
+  Decoder decoder({.model = &lidar_model(options.model)});
+  EXPECT_EQ(decoder.calibration_source(), lidar::CalibrationSource::kBuiltIn);
+  const std::vector<Sweep> sweeps = assemble(decoder, scene.packets);
+  EXPECT_EQ(decoder.calibration_source(), lidar::CalibrationSource::kStream);
   ASSERT_EQ(sweeps.size(), scene.sweeps.size());
   const Sweep& sweep = sweeps[30];
   ASSERT_EQ(sweep.size(), scene.sweeps[30].size());

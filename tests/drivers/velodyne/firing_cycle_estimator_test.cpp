@@ -18,10 +18,10 @@ TEST(FiringCycleEstimator, EstimatesTheCycleFromTheStream) {
                                 .calibration = built_in_calibration(Model::kVls128),
                                 .cycle_us = cycle_us});
       scene.packets.erase(scene.packets.begin() + 100, scene.packets.begin() + 103);
-      SweepAssembler assembler({.model = Model::kVls128});
-      const std::vector<Sweep> sweeps = assemble(assembler, scene.packets);
-      EXPECT_NEAR(static_cast<double>(assembler.firing_cycle().count()), cycle_us * 1e3, 2);
-      EXPECT_EQ(assembler.counters().network_lost, 3U);
+      Decoder decoder({.model = &lidar_model(Model::kVls128)});
+      const std::vector<Sweep> sweeps = assemble(decoder, scene.packets);
+      EXPECT_NEAR(static_cast<double>(decoder.firing_cycle().count()), cycle_us * 1e3, 2);
+      EXPECT_EQ(decoder.counters().lost_network, 3U);
       const Sweep& sweep = sweeps.back();
       // The last firing of the stream: laser 127, 16 of 20 slots into its sequence.
       const int32_t last = sweep.time_offset_ns[sweep.size() - 1];

@@ -77,10 +77,10 @@ TEST_P(GeneratedPackets, EveryReturnHasTheExactPositionTimeAndKind) {
   options.calibration = built_in_calibration(param.model);
   const Scene scene = make_scene(options);
 
-  SweepAssembler assembler({.model = param.model, .calibration = options.calibration});
-  const std::vector<Sweep> sweeps = assemble(assembler, scene.packets);
-  EXPECT_EQ(assembler.counters().packets, scene.packets.size());
-  EXPECT_EQ(assembler.counters().network_lost, 0U);
+  Decoder decoder({.model = &lidar_model(param.model), .calibration = share(options.calibration)});
+  const std::vector<Sweep> sweeps = assemble(decoder, scene.packets);
+  EXPECT_EQ(decoder.counters().packets, scene.packets.size());
+  EXPECT_EQ(decoder.counters().lost_network, 0U);
   ASSERT_EQ(sweeps.size(), scene.sweeps.size());
   ASSERT_GE(sweeps.size(), 2U);
   for (size_t i = 0; i < sweeps.size(); ++i) {

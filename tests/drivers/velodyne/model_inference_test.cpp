@@ -1,4 +1,5 @@
 #include "drivers/velodyne/model_inference.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +8,7 @@
 namespace infuse::velodyne {
 namespace {
 
-std::optional<InferredModel> infer(const Scene& scene, std::optional<uint8_t> product = {}) {
+std::optional<lidar::InferredModel> infer(const Scene& scene, std::optional<uint8_t> product = {}) {
   ModelInference inference;
   for (SentPacket packet : scene.packets) {
     if (product) packet.payload[1205] = *product;
@@ -25,7 +26,7 @@ TEST(ModelInference, InfersEveryModelFromItsPackets) {
                                               .turns = 0.3,
                                               .calibration = built_in_calibration(info.model)}));
       ASSERT_TRUE(inferred) << info.name;
-      EXPECT_EQ(inferred->model, info.model) << inferred->reason;
+      EXPECT_EQ(model_of(*inferred->model), info.model) << inferred->reason;
       EXPECT_FALSE(inferred->reason.empty());
     }
   }
@@ -38,7 +39,7 @@ TEST(ModelInference, RecognisesEarlyVlp16Firmware) {
                                             .calibration = built_in_calibration(Model::kVlp16)}),
                                 uint8_t{0x21});
     ASSERT_TRUE(inferred);
-    EXPECT_EQ(inferred->model, Model::kVlp16);
+    EXPECT_EQ(model_of(*inferred->model), Model::kVlp16);
     EXPECT_NE(inferred->reason.find("0x21"), std::string::npos) << inferred->reason;
   }
 }
@@ -51,7 +52,7 @@ TEST(ModelInference, AMajorityDecides) {
   scene.packets.back().payload[1205] = 0x77;
   const auto inferred = infer(scene);
   ASSERT_TRUE(inferred);
-  EXPECT_EQ(inferred->model, Model::kVlp16) << inferred->reason;
+  EXPECT_EQ(model_of(*inferred->model), Model::kVlp16) << inferred->reason;
 }
 
 TEST(ModelInference, MeasuresTheRateOfTurningWhateverTheModel) {
@@ -85,7 +86,7 @@ TEST(ModelInference, TwoSensorsOfOneAddressAreRecognised) {
       inference.add(other.packets[i].payload);
     }
     EXPECT_TRUE(inference.has_two_sensors()) << start_us;
-    EXPECT_EQ(inference.judge(), Model::kHdl32e);
+    EXPECT_EQ(inference.judge(), &lidar_model(Model::kHdl32e));
     EXPECT_NEAR(inference.turns_per_second(), 10, 0.05);
   }
 }

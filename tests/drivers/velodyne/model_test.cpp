@@ -1,4 +1,5 @@
 #include "drivers/velodyne/model.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
 
 #include <gtest/gtest.h>
 

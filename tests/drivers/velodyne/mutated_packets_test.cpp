@@ -5,8 +5,9 @@
 #include <random>
 
 #include "drivers/velodyne/calibration_file.hpp"
+#include "drivers/velodyne/decoder.hpp"
 #include "drivers/velodyne/position_packet.hpp"
-#include "drivers/velodyne/sweep_assembler.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
 #include "fixtures/velodyne/db_xml.hpp"
 #include "fixtures/velodyne/position_encoder.hpp"
 #include "tests/drivers/velodyne/oracle.hpp"
@@ -66,7 +67,7 @@ TEST(MutatedPackets, DataPacketsAreUsedOrCountedWithTheirReason) {
                                       .mode = mode,
                                       .turns = 0.05,
                                       .calibration = built_in_calibration(info.model)});
-      SweepAssembler assembler({.model = info.model});
+      Decoder decoder({.model = &lidar_model(info.model)});
       Sweep sweep;
       size_t packets_of_model = 0;
       for (; packets_of_model < 850; ++packets_of_model) {
@@ -77,8 +78,8 @@ TEST(MutatedPackets, DataPacketsAreUsedOrCountedWithTheirReason) {
         if (mutator.next() % 50 == 0) datagram.sender = mutator.next();
         if (mutator.next() % 50 == 0)
           datagram.stamp = Stamp::from_ns(int64_t{mutator.next()} << 31);
-        assembler.push(datagram);
-        while (assembler.pull(sweep)) {
+        decoder.push(datagram);
+        while (decoder.pull(sweep)) {
           ASSERT_EQ(sweep.size(), sweep.return_kind.size());
           ASSERT_LE(sweep.size(), 3'000'000U);
           for (size_t i = 0; i < sweep.size(); ++i) {
@@ -88,10 +89,11 @@ TEST(MutatedPackets, DataPacketsAreUsedOrCountedWithTheirReason) {
           }
         }
       }
-      const PacketCounters& c = assembler.counters();
-      EXPECT_EQ(c.packets + c.total_malformed() + c.wrong_sender + c.duplicates + c.too_late,
-                packets_of_model);
-      EXPECT_GT(c.total_malformed(), 0U) << info.name;
+      const lidar::PacketCounters& c = decoder.counters();
+      EXPECT_EQ(
+          c.packets + c.position_packets + c.malformed + c.wrong_sender + c.duplicates + c.too_late,
+          packets_of_model);
+      EXPECT_GT(c.malformed, 0U) << info.name;
       EXPECT_GT(c.packets, 0U) << info.name;
       pushed += packets_of_model;
     }

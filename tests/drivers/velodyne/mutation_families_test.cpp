@@ -6,8 +6,9 @@
 
 #include <cmath>
 
+#include "drivers/velodyne/decoder.hpp"
 #include "drivers/velodyne/model_inference.hpp"
-#include "drivers/velodyne/sweep_assembler.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
 
 namespace infuse::velodyne {
 namespace {
@@ -25,11 +26,11 @@ TEST_P(MutationFamilies, EveryPacketIsUsedOrCounted) {
                                  .calibration = built_in_calibration(info.model)})
                          .packets;
       GetParam().apply(packets, random);
-      SweepAssembler assembler({.model = info.model});
+      Decoder decoder({.model = &lidar_model(info.model)});
       ModelInference inference;
       Sweep sweep;
       const auto check_sweeps = [&] {
-        while (assembler.pull(sweep)) {
+        while (decoder.pull(sweep)) {
           for (size_t i = 0; i < sweep.size(); ++i) {
             ASSERT_TRUE(std::isfinite(sweep.x[i] + sweep.y[i] + sweep.z[i]));
             ASSERT_LT(sweep.column[i], sweep.columns);
@@ -38,15 +39,14 @@ TEST_P(MutationFamilies, EveryPacketIsUsedOrCounted) {
         }
       };
       for (const SentPacket& packet : packets) {
-        assembler.push(packet.datagram());
+        decoder.push(packet.datagram());
         inference.add(packet.payload);
         check_sweeps();
       }
-      assembler.finish();
+      decoder.finish();
       check_sweeps();
-      const PacketCounters& c = assembler.counters();
-      EXPECT_EQ(c.packets + c.total_malformed() + c.duplicates + c.too_late + c.position_packets +
-                    c.malformed_position_packets,
+      const lidar::PacketCounters& c = decoder.counters();
+      EXPECT_EQ(c.packets + c.malformed + c.duplicates + c.too_late + c.position_packets,
                 packets.size())
           << info.name;
       EXPECT_FALSE(inference.describe().empty());

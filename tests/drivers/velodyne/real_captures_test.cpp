@@ -63,12 +63,12 @@ ExpectedFrames read_expected(const std::filesystem::path& path) {
 TEST(RealMonterey, MatchesTheFramesAndPointsOfTheVendorsViewer) {
   INFUSE_REAL_DATA_OR_SKIP(path, "velodyne/hdl32e-monterey.pcap");
   const ExpectedFrames expected = read_expected(real_data("velodyne/hdl32e-monterey.expected.txt"));
-  SweepAssemblerOptions options;
-  options.model = Model::kHdl32e;
+  lidar::DecoderOptions options;
+  options.model = &lidar_model(Model::kHdl32e);
   options.interpolate_azimuth = false;  // as in the viewer, like the single origin of all beams
-  options.calibration = single_origin_calibration(Model::kHdl32e);
-  SweepAssembler assembler(options);
-  const std::vector<Sweep> sweeps = assemble(assembler, data_packets(path));
+  options.single_origin = true;
+  Decoder decoder(options);
+  const std::vector<Sweep> sweeps = assemble(decoder, data_packets(path));
 
   ASSERT_EQ(expected.frames, 19U);
   ASSERT_EQ(sweeps.size(), expected.frames);
@@ -91,11 +91,11 @@ TEST(RealMonterey, MatchesTheFramesAndPointsOfTheVendorsViewer) {
 
 TEST(RealMonterey, EveryPacketIsUsedAndSweepsAreComplete) {
   INFUSE_REAL_DATA_OR_SKIP(path, "velodyne/hdl32e-monterey.pcap");
-  SweepAssembler assembler({.model = Model::kHdl32e});
-  const std::vector<Sweep> sweeps = assemble(assembler, data_packets(path));
-  const PacketCounters& counters = assembler.counters();
+  Decoder decoder({.model = &lidar_model(Model::kHdl32e)});
+  const std::vector<Sweep> sweeps = assemble(decoder, data_packets(path));
+  const lidar::PacketCounters& counters = decoder.counters();
   EXPECT_EQ(counters.packets, 2702U);
-  EXPECT_EQ(counters.network_lost + counters.total_malformed() + counters.duplicates +
+  EXPECT_EQ(counters.lost_network + counters.malformed + counters.duplicates +
                 counters.out_of_order + counters.too_late + counters.clock_jumps +
                 counters.stray_azimuths,
             0U);
@@ -151,8 +151,8 @@ TEST(RealVlp16DualReturn, ContainsEveryPointOfTheReference) {
   INFUSE_REAL_DATA_OR_SKIP(path, "velodyne/vlp16-dual-return.pcap");
   const auto reference = read_pcd<DualPoint>(real_data("velodyne/vlp16-dual-return.reference.pcd"));
   ASSERT_EQ(reference.size(), 14'831U);
-  SweepAssembler exact({.model = Model::kVlp16});
-  SweepAssembler plain({.model = Model::kVlp16, .interpolate_azimuth = false});
+  Decoder exact({.model = &lidar_model(Model::kVlp16)});
+  Decoder plain({.model = &lidar_model(Model::kVlp16), .interpolate_azimuth = false});
   const auto packets = data_packets(path);
   const std::vector<Sweep> sweeps = assemble(exact, packets);
   const std::vector<Sweep> plain_sweeps = assemble(plain, packets);
@@ -191,10 +191,10 @@ TEST(RealVlp16DualReturn, ContainsEveryPointOfTheReference) {
 
 TEST(RealVlp16DualReturn, EveryReturnIsStrongestOrLastOrBoth) {
   INFUSE_REAL_DATA_OR_SKIP(path, "velodyne/vlp16-dual-return.pcap");
-  SweepAssembler assembler({.model = Model::kVlp16});
+  Decoder decoder({.model = &lidar_model(Model::kVlp16)});
   const auto packets = data_packets(path);
   std::map<ReturnKind, size_t> kinds;
-  for (const Sweep& sweep : assemble(assembler, packets)) {
+  for (const Sweep& sweep : assemble(decoder, packets)) {
     for (const ReturnKind kind : sweep.return_kind) ++kinds[kind];
   }
   // Counted on the bytes: pairs of equal entries, and entries that are not 0 in other pairs.
@@ -232,7 +232,8 @@ TEST(RealVlp32cHalfTurn, ContainsEveryPointOfTheReference) {
   const auto reference = read_pcd<PlainPoint>(real_data("velodyne/vlp32c-half-turn.reference.pcd"));
   ASSERT_EQ(reference.size(), 26'216U);
   // Cut where the sensor does not scan: only its own jump ends a sweep.
-  SweepAssembler plain({.model = Model::kVlp32c, .cut_azimuth = 180, .interpolate_azimuth = false});
+  Decoder plain(
+      {.model = &lidar_model(Model::kVlp32c), .cut_azimuth = 180, .interpolate_azimuth = false});
   const std::vector<Sweep> sweeps = assemble(plain, data_packets(path));
   ASSERT_EQ(sweeps.size(), 6U);
 
@@ -272,10 +273,10 @@ TEST(RealVlp32cHalfTurn, ContainsEveryPointOfTheReference) {
 
 TEST(RealVlp32cHalfTurn, SweepsAreHalfTurnsAndReportTheGap) {
   INFUSE_REAL_DATA_OR_SKIP(path, "velodyne/vlp32c-half-turn.pcap");
-  SweepAssembler assembler({.model = Model::kVlp32c, .cut_azimuth = 180});
-  const std::vector<Sweep> sweeps = assemble(assembler, data_packets(path));
-  EXPECT_EQ(assembler.counters().packets, 379U);
-  EXPECT_EQ(assembler.counters().network_lost, 0U);  // the 50 ms without packets are not a loss
+  Decoder decoder({.model = &lidar_model(Model::kVlp32c), .cut_azimuth = 180});
+  const std::vector<Sweep> sweeps = assemble(decoder, data_packets(path));
+  EXPECT_EQ(decoder.counters().packets, 379U);
+  EXPECT_EQ(decoder.counters().lost_network, 0U);  // the 50 ms without packets are not a loss
   ASSERT_EQ(sweeps.size(), 6U);
   for (size_t i = 1; i < 5; ++i) {
     const Sweep& sweep = sweeps[i];
@@ -296,9 +297,9 @@ TEST(RealVlp32cHalfTurn, PacketsLostAcrossThePauseAreCounted) {
     auto packets = whole;
     packets.erase(packets.begin() + static_cast<long>(first),
                   packets.begin() + static_cast<long>(last));
-    SweepAssembler assembler({.model = Model::kVlp32c, .cut_azimuth = 180});
-    assemble(assembler, packets);
-    EXPECT_NEAR(static_cast<double>(assembler.counters().network_lost),
+    Decoder decoder({.model = &lidar_model(Model::kVlp32c), .cut_azimuth = 180});
+    assemble(decoder, packets);
+    EXPECT_NEAR(static_cast<double>(decoder.counters().lost_network),
                 static_cast<double>(last - first), 1)
         << first;
   }
@@ -317,7 +318,7 @@ TEST(RealCaptures, AModelIsInferredFromItsPackets) {
     for (const CapturedDatagram& packet : data_packets(path)) inference.add(packet.payload);
     const auto inferred = inference.infer();
     ASSERT_TRUE(inferred.has_value()) << name;
-    EXPECT_EQ(inferred->model, model) << name << ": " << inferred->reason;
+    EXPECT_EQ(model_of(*inferred->model), model) << name << ": " << inferred->reason;
   }
 }
 
@@ -328,10 +329,10 @@ TEST(RealCaptures, ClocksThatCountFromPowerUpAreReported) {
       {"velodyne/vlp32c-half-turn.pcap", Model::kVlp32c, ClockState::Source::kPowerUp}};
   for (const auto& [name, model, source] : captures) {
     INFUSE_REAL_DATA_OR_SKIP(path, name);
-    SweepAssembler assembler({.model = model});
+    Decoder decoder({.model = &lidar_model(model)});
     const auto packets = data_packets(path);
-    const std::vector<Sweep> sweeps = assemble(assembler, packets);
-    EXPECT_EQ(assembler.clock().source, source) << name;
+    const std::vector<Sweep> sweeps = assemble(decoder, packets);
+    EXPECT_EQ(decoder.clock().source, source) << name;
     // Whatever the counter is, stamps are the host's: within the capture, in order.
     for (const Sweep& sweep : sweeps) {
       EXPECT_GT(sweep.stamp, packets.front().stamp - Duration(50'000'000)) << name;

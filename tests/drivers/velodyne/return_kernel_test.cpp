@@ -26,8 +26,10 @@ TEST(ReturnKernel, AllInstructionSetsGiveTheSameBytes) {
                                       .turns = 0.2,
                                       .calibration = built_in_calibration(info.model),
                                       .seed = 7});
-      SweepAssembler vector({.model = info.model, .instruction_set = best_instruction_set()});
-      SweepAssembler portable({.model = info.model, .instruction_set = InstructionSet::kBaseline});
+      Decoder vector(
+          {.model = &lidar_model(info.model), .instruction_set = best_instruction_set()});
+      Decoder portable(
+          {.model = &lidar_model(info.model), .instruction_set = InstructionSet::kBaseline});
       const std::vector<Sweep> a = assemble(vector, scene.packets);
       const std::vector<Sweep> b = assemble(portable, scene.packets);
       ASSERT_EQ(a.size(), b.size());
@@ -64,7 +66,7 @@ TEST(ReturnKernel, KeepsExistingReturnsInOrder) {
         if (bytes[3 * slot] != 0) expected.push_back(static_cast<float>(bytes[3 * slot]) * 0.002F);
       }
       Sweep sweep;
-      sweep.resize(32 + kKernelSlack);
+      sweep.resize(32 + lidar::kReturnSlack);
       const ReturnArrays arrays{sweep.x.data(),
                                 sweep.y.data(),
                                 sweep.z.data(),

@@ -21,7 +21,7 @@ SimulatedLidar::SimulatedLidar(std::string name, uint32_t address, uint32_t conf
 void SimulatedLidar::restart(const receive::TimeBase& base) {
   stamps_ = receive::WallStamps(base);
   clock_ = ClockModel(ClockModelOptions{});
-  lock_ = velodyne::SenderLock(configured_);
+  lock_ = lidar::SenderLock(configured_);
   counters_ = {};
   counters_.source.open_count = 1;
   delivers_ = false;

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "daemon/health/lidar_counters.hpp"
+#include "drivers/lidar/sender_lock.hpp"
 #include "drivers/measurement/clock_model.hpp"
-#include "drivers/velodyne/sender_lock.hpp"
 #include "tests/study/months/fault.hpp"
 #include "tests/study/months/simulated_host.hpp"
 
@@ -47,7 +47,7 @@ class SimulatedLidar {
   Stamp skew_from_;
   receive::WallStamps stamps_{receive::TimeBase({0, 0})};
   ClockModel clock_{ClockModelOptions{}};
-  velodyne::SenderLock lock_{0};
+  lidar::SenderLock lock_{0};
   daemon::LidarCounters counters_;
   uint64_t sent_ = 0;
   bool delivers_ = false;

@@ -1,0 +1,67 @@
+#include "drivers/lidar/lidar_maker.hpp"
+
+#include <cctype>
+
+namespace infuse::lidar {
+namespace {
+
+bool is_same_name(std::string_view a, std::string_view b) {
+  const auto is_alphanumeric = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0;
+  };
+  const auto lower = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
+  size_t i = 0;
+  size_t j = 0;
+  while (true) {
+    while (i < a.size() && !is_alphanumeric(a[i])) ++i;
+    while (j < b.size() && !is_alphanumeric(b[j])) ++j;
+    if (i == a.size() || j == b.size()) return i == a.size() && j == b.size();
+    if (lower(a[i++]) != lower(b[j++])) return false;
+  }
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const UnitCalibration>> LidarMaker::load_calibration(
+    const LidarModel& model, const std::filesystem::path& file) const {
+  return fail("a " + std::string(model.name) + " has no calibration file", file.string());
+}
+
+std::optional<GnssFix> LidarMaker::read_fix(const Datagram&) const { return std::nullopt; }
+
+uint16_t LidarMaker::first_azimuth(std::span<const uint8_t>) const { return 0; }
+
+std::optional<FoundPacket> LidarMaker::find_packet(std::span<const uint8_t>) const {
+  return std::nullopt;
+}
+
+std::vector<uint8_t> LidarMaker::example_packet(const LidarModel&, uint32_t, double) const {
+  return {};
+}
+
+Duration LidarMaker::example_period(const LidarModel&) const { return Duration(0); }
+
+BeamPattern LidarMaker::beam_pattern(const LidarModel&) const { return {}; }
+
+const LidarModel* find_model(MakerList makers, std::string_view name) {
+  for (const LidarMaker* maker : makers) {
+    for (const LidarModel& model : maker->models()) {
+      if (is_same_name(model.name, name)) return &model;
+    }
+  }
+  return nullptr;
+}
+
+ClassifiedPacket classify(MakerList makers, std::span<const uint8_t> payload) {
+  for (const LidarMaker* maker : makers) {
+    const PacketClass packet_class = maker->classify(payload);
+    if (packet_class != PacketClass::kOther) return {maker, packet_class};
+  }
+  return {};
+}
+
+Result<std::unique_ptr<LidarDecoder>> make_decoder(const DecoderOptions& options) {
+  return options.model->maker->make_decoder(options);
+}
+
+}  // namespace infuse::lidar

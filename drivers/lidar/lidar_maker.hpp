@@ -1,0 +1,129 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "drivers/lidar/beam_pattern.hpp"
+#include "drivers/lidar/decoder_options.hpp"
+#include "drivers/lidar/lidar_decoder.hpp"
+#include "drivers/lidar/lidar_model.hpp"
+#include "drivers/lidar/model_inference.hpp"
+#include "drivers/measurement/datagram.hpp"
+#include "drivers/measurement/error.hpp"
+#include "drivers/measurement/vehicle_samples.hpp"
+
+namespace infuse::lidar {
+
+/// Kind of a datagram of a lidar.
+enum class PacketClass : uint8_t {
+  kData,         ///< returns
+  kInformation,  ///< clock, sentences of a GNSS receiver, the unit's calibration
+  kInertial,     ///< samples of an inertial unit
+  kOther,        ///< of no packet of this maker
+};
+
+/// UDP ports to which a maker's lidars send as they come from the factory.
+struct LidarPorts {
+  uint16_t data = 2368;
+  uint16_t information = 8308;  ///< equal to `data`: none
+};
+
+/// Message in which ROS drivers publish a maker's data packets.
+enum class RosPackets : uint8_t {
+  kNone,          ///< none that is known here: sweeps are published instead
+  kVelodyneScan,  ///< velodyne_msgs/VelodyneScan: the packets of a turn, 1206 bytes each
+};
+
+/// A packet at the beginning of bytes that may hold anything.
+struct FoundPacket {
+  PacketClass packet_class = PacketClass::kOther;
+  size_t size = 0;       ///< bytes
+  bool certain = false;  ///< false: a message must state its length before it
+};
+
+/// A maker of lidars: what its packets are. Stateless; one object for each maker, in the list of
+/// `drivers/makers`, by which alone the program knows it.
+class LidarMaker {
+ public:
+  virtual ~LidarMaker() = default;
+
+  /// "Velodyne".
+  virtual const char* name() const = 0;
+
+  /// The models, whose address never changes.
+  virtual std::span<const LidarModel> models() const = 0;
+
+  /// Kind of a datagram's payload, by its size and first bytes: fast, and never wrong for packets
+  /// of this maker.
+  virtual PacketClass classify(std::span<const uint8_t> payload) const = 0;
+
+  /// An object that infers the model from data packets.
+  virtual std::unique_ptr<ModelInference> make_inference() const = 0;
+
+  /// A decoder for one sensor. Errors: invalid options, a calibration that the model needs or that
+  /// is not its own.
+  virtual Result<std::unique_ptr<LidarDecoder>> make_decoder(
+      const DecoderOptions& options) const = 0;
+
+  /// Reads the calibration of a unit of this model from a file.
+  virtual Result<std::shared_ptr<const UnitCalibration>> load_calibration(
+      const LidarModel& model, const std::filesystem::path& file) const;
+
+  /// Ports as they come from the factory.
+  virtual LidarPorts ports() const { return {}; }
+
+  /// Bytes of the longest payload of a datagram.
+  virtual size_t max_datagram() const { return 2048; }
+
+  /// The fix of a GNSS receiver in an information packet, with the datagram's stamp, also if
+  /// earlier packets held it already.
+  virtual std::optional<GnssFix> read_fix(const Datagram& datagram) const;
+
+  /// Azimuth at which a data packet begins, 0.01°, clockwise.
+  virtual uint16_t first_azimuth(std::span<const uint8_t> payload) const;
+
+  /// Message in which ROS drivers publish the data packets.
+  virtual RosPackets ros_packets() const { return RosPackets::kNone; }
+
+  /// The packet of this maker with which these bytes begin, by its content: for messages of unknown
+  /// type. Nothing if they begin with something else.
+  virtual std::optional<FoundPacket> find_packet(std::span<const uint8_t> bytes) const;
+
+  /// The data packet `index` of a sensor that turns ten times a second in the middle of a cylinder
+  /// of this radius, m: for the self-test of a release. Empty: there is none.
+  virtual std::vector<uint8_t> example_packet(const LidarModel& model, uint32_t index,
+                                              double radius) const;
+
+  /// Time from one such packet to the next.
+  virtual Duration example_period(const LidarModel& model) const;
+
+  /// The beams of a model, for the simulator; without slots: it is not simulated.
+  virtual BeamPattern beam_pattern(const LidarModel& model) const;
+};
+
+/// A list of makers. Where packets of two are alike, the first one's `classify` decides.
+using MakerList = std::span<const LidarMaker* const>;
+
+/// Finds a model by name among those of all makers; only letters and digits count, case does not
+/// ("vlp16", "VLP-16"). Null if there is none.
+const LidarModel* find_model(MakerList makers, std::string_view name);
+
+/// A datagram's maker and kind; no maker: `kOther`.
+struct ClassifiedPacket {
+  const LidarMaker* maker = nullptr;
+  PacketClass packet_class = PacketClass::kOther;
+};
+
+/// Kind of a datagram's payload, by the first maker that knows it.
+ClassifiedPacket classify(MakerList makers, std::span<const uint8_t> payload);
+
+/// Makes a decoder of the options' model, which must be set.
+Result<std::unique_ptr<LidarDecoder>> make_decoder(const DecoderOptions& options);
+
+}  // namespace infuse::lidar
