@@ -6,36 +6,10 @@
 
 #include "fusion/geometry/trajectory.hpp"
 #include "fusion/motion/relative_pose.hpp"
-#include "fusion/registration/registration_result.hpp"
+#include "fusion/registration/map_registration.hpp"
 #include "fusion/registration/voxel_downsample.hpp"
-#include "fusion/registration/voxel_map.hpp"
 
 namespace infuse::registration {
-
-/// Settings of the lidar odometry.
-struct LidarOdometryOptions {
-  VoxelMapOptions map;
-  double min_range = 2.5;              ///< m; nearer returns are the vehicle's own
-  double map_voxel_size = 0.25;        ///< m; a sweep adds one point per voxel to the map
-  double match_voxel_size = 1.5;       ///< m; a sweep is registered by one point per voxel …
-  size_t min_match_points = 2000;      ///< … or per smaller voxel until there are so many,
-  double min_match_voxel_size = 0.25;  ///< m; but not below that
-  double radius = 1.0;        ///< m; planes of the map are fitted to points within it, at first …
-  double final_radius = 0.6;  ///< m; … and in the last iterations
-  double robust_width = 0.1;  ///< m; distance from its plane at which a point counts a quarter
-  double first_robust_width = 0.5;  ///< m; the same in the first iteration
-  int max_iterations = 20;
-  double rotation_tolerance = 1e-4;     ///< rad; a step smaller than both tolerances is the last
-  double translation_tolerance = 1e-3;  ///< m
-  size_t min_inliers = 100;             ///< fewer points on planes give no pose
-  double min_plane_fraction = 0.01;     ///< as in `GicpOptions`
-  double max_start_speed = 60;          ///< m/s; speeds that are tried when nothing is known
-  double start_step = 0.8;              ///< m between the guesses at the start
-  int max_failures = 5;                 ///< sweeps without a pose after which the map is begun anew
-
-  /// What is wrong with the settings, or nothing.
-  std::optional<std::string> invalid() const;
-};
 
 /// What the odometry states about one sweep.
 struct LidarOdometryResult {
@@ -96,8 +70,8 @@ class LidarOdometry {
   void select(const geometry::PointsView& points, double voxel_size, size_t min_points);
   Eigen::Isometry3d predict(Stamp reference) const;
   Eigen::Isometry3d search_start(double seconds);
-  RegistrationResult register_points(const Eigen::Isometry3d& T_map_lidar_guess, int max_iterations,
-                                     bool final, const geometry::MotionBetween* prior = nullptr);
+  std::optional<PosePrior> anchored(const geometry::MotionBetween* prior,
+                                    const Eigen::Isometry3d& T_map_lidar_guess) const;
 
   Eigen::Isometry3d T_vehicle_lidar_;
   LidarOdometryOptions options_;
@@ -121,11 +95,7 @@ class LidarOdometry {
 
   VoxelDownsampler downsampler_;
   PointCloud thinned_, selected_;
-  Pairs pairs_;
-  FieldVector<float> searched_x_, searched_y_, searched_z_;
-  std::vector<int32_t> which_;
-  std::vector<geometry::Vector6> clusters_;
-  double overlap_ = 0;
+  MapRegistration registration_;
 };
 
 }  // namespace infuse::registration

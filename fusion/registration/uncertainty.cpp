@@ -18,39 +18,6 @@ constexpr size_t kClusterSlots = 4096;  // clusters that share one are added: a 
 constexpr double kMinArm = 0.1;         // m; points nearer to an axis do not show the rotation
 constexpr double kNoiseFloor = 0.001;   // m; error of a cluster that its residuals do not show
 
-/// Gradient of one pair, w Jᵀ W r, in double precision: as `pose_system` sums it. Returns the
-/// gradient per metre of plane distance too, for the noise floor.
-struct PairGradient {
-  Vector6 gradient, normal;
-  double weight;
-};
-
-PairGradient pair_gradient(const Pairs& pairs, size_t i, const PairNoise& noise) {
-  const Eigen::Vector3d p(pairs.px[i], pairs.py[i], pairs.pz[i]);
-  const Eigen::Vector3d n1(pairs.tx[i], pairs.ty[i], pairs.tz[i]);
-  const Eigen::Vector3d n2(pairs.sx[i], pairs.sy[i], pairs.sz[i]);
-  const Eigen::Vector3d r = Eigen::Vector3d(pairs.qx[i], pairs.qy[i], pairs.qz[i]) - p;
-  const double tilt = 1 - noise.plane_variance;
-  const double m1 = 2 - tilt * n1.squaredNorm(), m2 = 2 - tilt * n2.squaredNorm();
-  const double m12 = tilt * n1.dot(n2);
-  const double scale = 0.5 * tilt / (m1 * m2 - m12 * m12);
-  const double d1 = n1.dot(r), d2 = n2.dot(r);
-  const Eigen::Vector3d wr = scale * ((m2 * d1 + m12 * d2) * n1 + (m12 * d1 + m1 * d2) * n2);
-  double weight = pairs.weight[i];
-  if (noise.robust_width > 0) {
-    const double width2 = noise.robust_width * noise.robust_width / (2 * noise.plane_variance);
-    const double kernel = width2 / (width2 + r.dot(wr) + 0.5 * r.squaredNorm());
-    weight *= kernel * kernel;
-  }
-  PairGradient out;
-  out.weight = weight;
-  out.gradient << p.cross(wr), wr;
-  out.gradient *= weight;
-  const Eigen::Vector3d n = weight / (2 * noise.plane_variance) * n1;
-  out.normal << p.cross(n), n;
-  return out;
-}
-
 /// What the noise of normals adds to Σ w (Jn)(Jn)ᵀ: of pairs whose normal is the commonest one but
 /// for its noise, the difference from that of the commonest one.
 Matrix6 tilt_by_noise(const Pairs& pairs, const PoseSystem& system, const PairNoise& noise) {
@@ -87,8 +54,7 @@ Matrix6 tilt_by_noise(const Pairs& pairs, const PoseSystem& system, const PairNo
 /// distances from its axis, however far they reach along it.
 Matrix6 unit_displacements(const PoseSystem& system) {
   const Eigen::Matrix3d to_middle = geometry::skew(system.mean);
-  const Eigen::Matrix3d arms =
-      2 * system.isotropic.topLeftCorner<3, 3>() / system.weight + to_middle * to_middle;
+  const Eigen::Matrix3d arms = system.arms / system.weight + to_middle * to_middle;
   const auto eigen = geometry::symmetric_eigen<3>(arms);
   Matrix6 unit = Matrix6::Identity();
   unit.topLeftCorner<3, 3>() =
@@ -132,34 +98,38 @@ Vector6 determined_step(const PoseSystem& system, const DeterminedDirections& de
   return directions * H.llt().solve(g);
 }
 
-void set_uncertainty(const Pairs& pairs, const PairNoise& noise, const PoseSystem& system,
-                     const DeterminedDirections& determined, std::vector<Vector6>& clusters,
-                     RegistrationResult& result) {
+void ClusterGradients::clear() {
+  sums_.assign(2 * kClusterSlots, Vector6::Zero());
+  square_ = 0;
+}
+
+void ClusterGradients::add(const Pairs& pairs, size_t i, const PairGradient& at) {
+  const auto cell = [](float c) { return floor_to_int(std::clamp(c / kClusterSize, -1e5, 1e5)); };
+  const uint64_t key = voxel_key(cell(pairs.px[i]), cell(pairs.py[i]), cell(pairs.pz[i]));
+  const size_t slot = voxel_hash(key) % kClusterSlots;
+  sums_[2 * slot] += at.gradient;
+  sums_[2 * slot + 1] += kNoiseFloor * at.normal;
+  const double distance = (pairs.qx[i] - pairs.px[i]) * pairs.tx[i] +
+                          (pairs.qy[i] - pairs.py[i]) * pairs.ty[i] +
+                          (pairs.qz[i] - pairs.pz[i]) * pairs.tz[i];
+  square_ += at.weight * distance * distance;
+}
+
+Matrix6 ClusterGradients::scatter() const {
+  Matrix6 scatter = Matrix6::Zero();
+  for (const Vector6& sum : sums_) scatter += sum * sum.transpose();
+  return scatter;
+}
+
+void set_uncertainty(const ClusterGradients& clusters, const PoseSystem& system,
+                     const DeterminedDirections& determined, RegistrationResult& result) {
   const int count = determined.count;
   result.free_directions = 6 - count;
   for (int i = count; i < 6; ++i) {
     result.free[static_cast<size_t>(i - count)] = determined.basis.col(i);
   }
-  // The plane part of the residuals, summed over clusters; the squares of those sums.
-  clusters.assign(2 * kClusterSlots, Vector6::Zero());
-  double square = 0;
-  for (size_t i = 0; i < pairs.size; ++i) {
-    if (pairs.weight[i] == 0) continue;
-    const auto cell = [](float c) { return floor_to_int(std::clamp(c / kClusterSize, -1e5, 1e5)); };
-    const uint64_t key = voxel_key(cell(pairs.px[i]), cell(pairs.py[i]), cell(pairs.pz[i]));
-    const size_t slot = voxel_hash(key) % kClusterSlots;
-    const PairGradient at = pair_gradient(pairs, i, noise);
-    clusters[2 * slot] += at.gradient;
-    clusters[2 * slot + 1] += kNoiseFloor * at.normal;
-    const double distance = (pairs.qx[i] - pairs.px[i]) * pairs.tx[i] +
-                            (pairs.qy[i] - pairs.py[i]) * pairs.ty[i] +
-                            (pairs.qz[i] - pairs.pz[i]) * pairs.tz[i];
-    square += at.weight * distance * distance;
-  }
-  result.rms = std::sqrt(square / std::max(system.weight, 1e-12));
-  Matrix6 scatter = Matrix6::Zero();
-  for (const Vector6& sum : clusters) scatter += sum * sum.transpose();
-
+  result.rms = std::sqrt(clusters.square() / std::max(system.weight, 1e-12));
+  const Matrix6 scatter = clusters.scatter();
   const Matrix6 to_scaled = determined.twist_from_scaled;
   const Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> directions =
       to_scaled * determined.basis.leftCols(count);

@@ -217,9 +217,9 @@ void VoxelMap::find_planes(const Eigen::Vector3d& anchor, double radius,
       const auto ny = static_cast<float>(planes.normal[1][lane]);
       const auto nz = static_cast<float>(planes.normal[2][lane]);
       const float distance = nx * mean[lane][0] + ny * mean[lane][1] + nz * mean[lane][2];
-      pairs.tx[i] = pairs.sx[i] = nx;
-      pairs.ty[i] = pairs.sy[i] = ny;
-      pairs.tz[i] = pairs.sz[i] = nz;
+      pairs.tx[i] = nx;
+      pairs.ty[i] = ny;
+      pairs.tz[i] = nz;
       pairs.qx[i] = pairs.px[i] + distance * nx;
       pairs.qy[i] = pairs.py[i] + distance * ny;
       pairs.qz[i] = pairs.pz[i] + distance * nz;

@@ -7,8 +7,8 @@
 
 #include "fusion/geometry/rigid_motion.hpp"
 #include "fusion/registration/lanes.hpp"
+#include "fusion/registration/pairs.hpp"
 #include "fusion/registration/point_cloud.hpp"
-#include "fusion/registration/pose_system.hpp"
 
 namespace infuse::registration {
 
@@ -47,8 +47,8 @@ class VoxelMap {
 
   /// Fits a plane to the map's points within `radius` (m, at most a voxel) of the pair's point p,
   /// with weights that fall to 0 at the radius. p and the results are relative to `anchor`. Sets
-  /// the pair's point q to the foot of p on the plane, both normals to the plane's, and the weight
-  /// to its planarity, 0 … 1; 0 where there is no plane. Same bytes on every processor.
+  /// the pair's point q to the foot of p on the plane, the target's normal to the plane's, and the
+  /// weight to its planarity, 0 … 1; 0 where there is no plane. Same bytes on every processor.
   void find_planes(const Eigen::Vector3d& anchor, double radius, const std::vector<int32_t>& which,
                    Pairs& pairs) const;
 

@@ -121,7 +121,7 @@ void align(benchmark::State& state, bool whole_drive) {
     preparer.prepare(pair.source.points(), prepare_options(), source);
     Eigen::Matrix4d theirs;
     const Eigen::Matrix4d identity = Eigen::Matrix4d::Identity();
-    peer.align(identity.data(), GicpOptions().max_correspondence_distance, theirs.data());
+    peer.align(identity.data(), RegistrationOptions().max_correspondence_distance, theirs.data());
     const RegistrationResult result =
         gicp.align(target, source.cloud, Eigen::Isometry3d::Identity());
     apart = std::max(apart,
@@ -164,7 +164,7 @@ void align_small_gicp(benchmark::State& state, bool whole_drive) {
       for (const int which : {0, 1}) peer.prepare(which, kVoxelSize, kNeighbours);
       state.ResumeTiming();
       iterations += static_cast<double>(1 + peer.align(identity.data(),
-                                                       GicpOptions().max_correspondence_distance,
+                                                       RegistrationOptions().max_correspondence_distance,
                                                        T_target_source.data()));
       ++count;
     }

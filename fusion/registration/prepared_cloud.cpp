@@ -1,0 +1,24 @@
+#include "fusion/registration/prepared_cloud.hpp"
+
+namespace infuse::registration {
+
+std::optional<std::string> PrepareOptions::invalid() const {
+  if (!(voxel_size >= 0 && voxel_size < 100)) return "voxel_size must be 0 ... 100 m";
+  return covariance.invalid();
+}
+
+void CloudPreparer::prepare(const geometry::PointsView& points, const PrepareOptions& options,
+                            PreparedCloud& out) {
+  constexpr double kDistinct = 1e-3;  // m; voxels that keep all points but copies
+  downsampler_.compute(points, options.voxel_size > 0 ? options.voxel_size : kDistinct, out.cloud);
+  out.search.build_and_sort(out.cloud);
+  estimate_covariances(out.search, options.covariance, candidates_, out.cloud);
+}
+
+PreparedCloud prepare_cloud(const geometry::PointsView& points, const PrepareOptions& options) {
+  PreparedCloud out;
+  CloudPreparer().prepare(points, options, out);
+  return out;
+}
+
+}  // namespace infuse::registration

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fusion/registration/covariance.hpp"
+#include "fusion/registration/neighbour_search.hpp"
+#include "fusion/registration/voxel_downsample.hpp"
+
+namespace infuse::registration {
+
+/// A cloud that is prepared for registration: downsampled, with its local planes and its tree.
+struct PreparedCloud {
+  PointCloud cloud;
+  NeighbourSearch search;
+};
+
+/// Settings of the preparation.
+struct PrepareOptions {
+  double voxel_size = 0.25;      ///< m; 0: keep every point that is finite
+  CovarianceOptions covariance;  ///< the local planes
+
+  /// What is wrong with the settings, or nothing.
+  std::optional<std::string> invalid() const;
+};
+
+/// Prepares clouds. Keeps its memory between clouds, as `out` does.
+class CloudPreparer {
+ public:
+  /// `options.invalid()` must be empty.
+  void prepare(const geometry::PointsView& points, const PrepareOptions& options,
+               PreparedCloud& out);
+
+ private:
+  VoxelDownsampler downsampler_;
+  std::vector<NeighbourSearch::Point> candidates_;
+};
+
+/// The same as a new cloud.
+PreparedCloud prepare_cloud(const geometry::PointsView& points, const PrepareOptions& options = {});
+
+}  // namespace infuse::registration
