@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "daemon/protocol/number_json.hpp"
 #include "drivers/recording/atomic_file.hpp"
 #include "drivers/recording/rigid_matrix.hpp"
 #include "drivers/text/text_file.hpp"
@@ -15,21 +16,11 @@ using Json = nlohmann::json;
 constexpr size_t kMaxBytes = 1 << 20;
 constexpr size_t kMaxCameras = 64;
 
-Json by_row(const Eigen::Isometry3d& T) {
-  Json numbers = Json::array();
-  for (int i = 0; i < 16; ++i) numbers.push_back(T.matrix()(i / 4, i % 4));
-  return numbers;
-}
-
 std::optional<Eigen::Isometry3d> read_rigid(const Json& object, const char* key) {
   const auto found = object.find(key);
-  if (found == object.end() || !found->is_array() || found->size() != 16) return std::nullopt;
-  Eigen::Matrix4d matrix;
-  for (size_t i = 0; i < 16; ++i) {
-    if (!(*found)[i].is_number()) return std::nullopt;
-    matrix(static_cast<int>(i) / 4, static_cast<int>(i) % 4) = (*found)[i].get<double>();
-  }
-  return recording::to_rigid(matrix);
+  if (found == object.end()) return std::nullopt;
+  const auto numbers = numbers_of(*found, 16);
+  return numbers ? recording::to_rigid(*numbers) : std::nullopt;
 }
 
 std::optional<SavedCalibration> read_calibration(const Json& object) {
@@ -62,8 +53,8 @@ std::string format_calibrations(const std::vector<SavedCalibration>& calibration
         {{"camera", calibration.camera},
          {"since_ns", calibration.since.ns()},
          {"frozen", calibration.frozen},
-         {"T_camera_lidar_configured", by_row(calibration.T_camera_lidar_configured)},
-         {"T_camera_lidar", by_row(calibration.T_camera_lidar)}});
+         {"T_camera_lidar_configured", by_row(calibration.T_camera_lidar_configured.matrix())},
+         {"T_camera_lidar", by_row(calibration.T_camera_lidar.matrix())}});
   }
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -56,13 +56,12 @@ Result<Eigen::Isometry3d> read_mounting(const MapJson& manifest, const std::stri
   if (!manifest.contains("T_vehicle_lidar")) return wrong();
   const MapJson& numbers = manifest["T_vehicle_lidar"];
   if (!numbers.is_array() || numbers.size() != 16) return wrong();
-  Eigen::Matrix4d matrix;
+  std::array<double, 16> by_row{};
   for (size_t i = 0; i < 16; ++i) {
     if (!numbers[i].is_number()) return wrong();
-    matrix(static_cast<Eigen::Index>(i / 4), static_cast<Eigen::Index>(i % 4)) =
-        numbers[i].get<double>();
+    by_row[i] = numbers[i].get<double>();
   }
-  const auto T = recording::to_rigid(matrix);
+  const auto T = recording::to_rigid(by_row);
   if (!T) return wrong();
   return *T;
 }

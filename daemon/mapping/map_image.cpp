@@ -5,6 +5,8 @@
 #include <limits>
 #include <vector>
 
+#include "drivers/measurement/median.hpp"
+
 namespace infuse::daemon {
 namespace {
 
@@ -18,10 +20,7 @@ int32_t column_of(uint64_t key) { return static_cast<int32_t>(static_cast<uint32
 int32_t row_of(uint64_t key) { return static_cast<int32_t>(static_cast<uint32_t>(key)); }
 
 float percentile(std::vector<float> values, double share) {
-  const auto at =
-      values.begin() + static_cast<ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
+  return nth_smallest(values, static_cast<size_t>(share * static_cast<double>(values.size() - 1)));
 }
 
 }  // namespace

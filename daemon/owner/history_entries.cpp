@@ -5,6 +5,7 @@
 
 #include "daemon/history/history_file.hpp"
 #include "daemon/owner/report_text.hpp"
+#include "daemon/protocol/number_json.hpp"
 #include "drivers/measurement/angles.hpp"
 #include "drivers/recording/rigid_matrix.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
@@ -44,14 +45,9 @@ std::string utc_text(int64_t ns, const char* form) {
 
 std::optional<Eigen::Isometry3d> calibration_of(const Json& entry) {
   const auto found = entry.find("T_camera_lidar");
-  if (found == entry.end() || !found->is_array() || found->size() != 16) return std::nullopt;
-  Eigen::Matrix4d matrix;
-  for (int i = 0; i < 16; ++i) {
-    const Json& number = (*found)[static_cast<size_t>(i)];
-    if (!number.is_number()) return std::nullopt;
-    matrix(i / 4, i % 4) = number.get<double>();
-  }
-  return recording::to_rigid(matrix);
+  if (found == entry.end()) return std::nullopt;
+  const auto numbers = numbers_of(*found, 16);
+  return numbers ? recording::to_rigid(*numbers) : std::nullopt;
 }
 
 HistoryEntries sort_entries(const std::vector<std::string>& lines, double days) {

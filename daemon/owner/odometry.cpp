@@ -11,6 +11,7 @@
 #include "daemon/playback/find_lidar.hpp"
 #include "daemon/playback/play_lidar.hpp"
 #include "daemon/protocol/json.hpp"
+#include "drivers/measurement/median.hpp"
 #include "drivers/recording/trajectory_file.hpp"
 #include "drivers/text/text_file.hpp"
 #include "fusion/registration/lidar_trajectory.hpp"
@@ -103,9 +104,7 @@ class Track {
   double median_speed() const {
     std::vector<double> sorted = speeds_;
     if (sorted.empty()) return 0;
-    const auto middle = sorted.begin() + static_cast<ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    return *middle;
+    return median(sorted);
   }
 
   registration::LidarTrajectory trajectory_;

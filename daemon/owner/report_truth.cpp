@@ -30,12 +30,12 @@ std::optional<TrueExtrinsics> parse_extrinsics(const std::string& line) {
   TrueExtrinsics extrinsics;
   if (!(fields >> ns >> comma) || !std::getline(fields, extrinsics.camera, ','))
     return std::nullopt;
-  Eigen::Matrix4d matrix;
-  for (int i = 0; i < 16; ++i) {
+  std::array<double, 16> numbers{};
+  for (size_t i = 0; i < 16; ++i) {
     if (i > 0 && !(fields >> comma)) return std::nullopt;
-    if (!(fields >> matrix(i / 4, i % 4))) return std::nullopt;
+    if (!(fields >> numbers[i])) return std::nullopt;
   }
-  const auto T = recording::to_rigid(matrix);
+  const auto T = recording::to_rigid(numbers);
   if (!T) return std::nullopt;
   extrinsics.stamp = Stamp::from_ns(ns);
   extrinsics.T_camera_lidar = *T;

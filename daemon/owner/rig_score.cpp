@@ -1,6 +1,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/owner/evaluation.hpp"
+#include "daemon/protocol/number_json.hpp"
 #include "drivers/measurement/angles.hpp"
 #include "drivers/recording/drive.hpp"
 #include "drivers/recording/drive_toml.hpp"
@@ -38,15 +39,13 @@ Result<std::vector<Extrinsics>> read_json(const std::filesystem::path& path) {
   const auto text = text::read_text(path, kMaxJsonBytes);
   if (!text) return tl::unexpected(text.error());
   const Json json = Json::parse(*text, nullptr, false);
-  const auto numbers = json.is_object() ? json.find("T_camera_lidar") : json.end();
-  if (!json.is_object() || numbers == json.end() || !numbers->is_array() || numbers->size() != 16 ||
-      !std::all_of(numbers->begin(), numbers->end(), [](const Json& n) { return n.is_number(); })) {
+  const auto numbers =
+      numbers_of(json.is_object() ? json.value("T_camera_lidar", Json()) : Json(), 16);
+  if (!numbers) {
     return fail("no T_camera_lidar of 16 numbers", path.string(),
                 "give the output of infuse calibrate --json, or a rig.toml");
   }
-  Eigen::Matrix4d matrix;
-  for (int i = 0; i < 16; ++i) matrix(i / 4, i % 4) = (*numbers)[static_cast<size_t>(i)];
-  const auto rigid = recording::to_rigid(matrix);
+  const auto rigid = recording::to_rigid(*numbers);
   if (!rigid) return fail("T_camera_lidar is not a rigid transform", path.string());
   const bool named = json.contains("camera") && json["camera"].is_string();
   return std::vector<Extrinsics>{

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "daemon/protocol/number_json.hpp"
 #include "daemon/protocol/report_class.hpp"
 #include "drivers/measurement/angles.hpp"
 #include "drivers/recording/rigid_matrix.hpp"
@@ -28,16 +29,9 @@ std::string text(const Json& object, const char* key) {
                            : std::string();
 }
 
-/// The numbers of an array of `count`; nothing if it is anything else.
+/// The numbers of a member of `count`; nothing if it is anything else.
 std::optional<std::vector<double>> numbers(const Json& object, const char* key, size_t count) {
-  const Json& found = member(object, key);
-  if (!found.is_array() || found.size() != count) return std::nullopt;
-  std::vector<double> values;
-  for (const Json& number : found) {
-    if (!number.is_number()) return std::nullopt;
-    values.push_back(number.get<double>());
-  }
-  return values;
+  return numbers_of(member(object, key), count);
 }
 
 void copy_numbers(const Json& from, std::initializer_list<const char*> keys, Json& to) {
@@ -55,8 +49,7 @@ std::optional<Stamp> stamp_of(const Json& object, const char* key) {
 std::optional<Eigen::Isometry3d> pose_of(const Json& object, const char* key) {
   const auto values = numbers(object, key, 16);
   if (!values) return std::nullopt;
-  return recording::to_rigid(
-      Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(values->data()));
+  return recording::to_rigid(*values);
 }
 
 Json poses_json(const std::vector<ReportedPose>& poses, Stamp start) {

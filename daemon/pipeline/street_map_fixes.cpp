@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "drivers/measurement/angles.hpp"
+#include "drivers/measurement/median.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -18,11 +19,7 @@ constexpr double kMinCourseSpeed = 2.0;  // m/s above which the GNSS course is t
 
 using Values = std::array<double, kMaxFixes>;
 
-double median(Values& values, size_t count) {
-  const auto middle = values.begin() + static_cast<ptrdiff_t>(count / 2);
-  std::nth_element(values.begin(), middle, values.begin() + static_cast<ptrdiff_t>(count));
-  return *middle;
-}
+double median_of(Values& values, size_t count) { return median(std::span(values).first(count)); }
 
 /// Motion in the plane; nothing if the trajectory does not connect the times.
 std::optional<streetmap::PlanarPose> motion_between(const geometry::Trajectory& trajectory,
@@ -97,7 +94,8 @@ std::optional<InitialPoseFromFixes> StreetMapFixes::initial_pose(
     x[i] = place.x();
     y[i] = place.y();
   }
-  return InitialPoseFromFixes{{median(x, count), median(y, count), yaw}, median(hdops, count)};
+  return InitialPoseFromFixes{{median_of(x, count), median_of(y, count), yaw},
+                              median_of(hdops, count)};
 }
 
 }  // namespace infuse::daemon

@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "drivers/gnss/local_frame.hpp"
+#include "drivers/measurement/median.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -144,11 +145,6 @@ class StreetPlanBuilder {
     latitude_ = map_.centre_latitude;
     longitude_ = map_.centre_longitude;
     if (latitudes.empty()) return;
-    const auto median = [](std::vector<double>& values) {
-      const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
-      std::nth_element(values.begin(), middle, values.end());
-      return *middle;
-    };
     median_ = {median(latitudes), median(longitudes)};
     const auto [south, north] = std::minmax_element(latitudes.begin(), latitudes.end());
     const auto [west, east] = std::minmax_element(longitudes.begin(), longitudes.end());

@@ -4,14 +4,12 @@
 
 #include <memory>
 
-#include "drivers/camera/plain_png.hpp"
 #include "drivers/camera/prepare_frame.hpp"
 
 namespace infuse::camera {
 
 Result<void> decode_png(std::span<const uint8_t> file, const ImageOptions& options,
                         CameraFrame& frame) {
-  if (decode_plain_png(file, options, frame)) return {};
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
   const std::unique_ptr<png_image, void (*)(png_image*)> release(&image, &png_image_free);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "drivers/import/ford_frames.hpp"
+#include "drivers/measurement/rotation.hpp"
 
 namespace infuse::importers {
 namespace {
@@ -134,7 +135,7 @@ Result<std::vector<FordCamera>> read_ford_cameras(const std::map<std::string, Ma
     if (!(error < kMaxRotationError) || rotation.determinant() < 0 ||
         !camera.T_camera_velodyne.translation().allFinite())
       return fail("has an R of camera " + std::to_string(k) + " that is no rotation", name);
-    camera.T_camera_velodyne.linear() = Eigen::Quaterniond(rotation).normalized().matrix();
+    camera.T_camera_velodyne.linear() = orthonormal(rotation);
     cameras.push_back(camera);
   }
   if (cameras.empty()) return fail("has no camera", name);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "drivers/measurement/median.hpp"
 #include "drivers/text/line_reader.hpp"
 #include "drivers/text/numbers.hpp"
 #include "drivers/text/stamp_text.hpp"
@@ -49,9 +50,7 @@ Duration usual_period(const std::vector<std::optional<Stamp>>& times) {
     if (step > Duration::zero() && step <= kMaxPeriod) steps.push_back(step);
   }
   if (steps.empty()) return Duration::zero();
-  const auto middle = steps.begin() + std::ssize(steps) / 2;
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
+  return median(steps);
 }
 
 std::vector<StampedFile> assign_times(const NumberedFiles& files,

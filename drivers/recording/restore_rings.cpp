@@ -5,6 +5,7 @@
 #include <numeric>
 #include <vector>
 
+#include "drivers/measurement/median.hpp"
 #include "drivers/recording/sweep_files.hpp"
 
 namespace infuse::recording {
@@ -87,9 +88,7 @@ double join_strays(const Histogram& histogram, std::vector<ElevationRing>& rings
     counts.push_back(rings[k].returns);
   }
   if (counts.empty()) return 0;
-  std::nth_element(counts.begin(), counts.begin() + static_cast<std::ptrdiff_t>(counts.size() / 2),
-                   counts.end());
-  const double min_returns = kMinRingShare * counts[counts.size() / 2];
+  const double min_returns = kMinRingShare * median(counts);
   double strays = 0;
   std::erase_if(rings, [&](const ElevationRing& ring) {
     const bool stray = ring.returns < min_returns;

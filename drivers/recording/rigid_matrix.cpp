@@ -21,4 +21,10 @@ std::optional<Eigen::Isometry3d> to_rigid(const Eigen::Matrix4d& matrix) {
   return T;
 }
 
+std::optional<Eigen::Isometry3d> to_rigid(std::span<const double> by_row) {
+  if (by_row.size() != 16) return std::nullopt;
+  return to_rigid(Eigen::Matrix4d(
+      Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(by_row.data())));
+}
+
 }  // namespace infuse::recording

@@ -4,6 +4,7 @@
 #include <array>
 #include <fstream>
 
+#include "drivers/measurement/median.hpp"
 #include "drivers/recording/numbered_files.hpp"
 #include "drivers/text/csv_reader.hpp"
 #include "drivers/text/numbers.hpp"
@@ -79,9 +80,7 @@ Duration usual_step(const std::vector<SequenceEntry>& entries) {
     if (step > Duration::zero() && step <= kMaxTurn) steps.push_back(step);
   }
   if (steps.empty()) return Duration::zero();
-  const auto middle = steps.begin() + std::ssize(steps) / 2;
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
+  return median(steps);
 }
 
 }  // namespace

@@ -109,9 +109,7 @@ void TomlTable::read(std::string_view key, Eigen::Isometry3d& T) {
     return report_error(key, std::string(key) + " must be 16 numbers by row",
                         std::to_string(numbers.size()) + " are given");
   }
-  const Eigen::Matrix4d matrix =
-      Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers.data());
-  const auto rigid = to_rigid(matrix);
+  const auto rigid = to_rigid(numbers);
   if (!rigid) {
     return report_error(key, std::string(key) + " is not a rigid motion",
                         "a rotation, a translation in the fourth column, last row 0 0 0 1");

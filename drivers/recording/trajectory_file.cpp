@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "drivers/measurement/rotation.hpp"
 #include "drivers/text/numbers.hpp"
 #include "drivers/text/stamp_text.hpp"
 #include "drivers/text/text_file.hpp"
@@ -101,7 +102,7 @@ Result<TrajectoryPose> parse_kitti_line(const Fields& fields, size_t index) {
   }
   TrajectoryPose pose;
   pose.stamp = Stamp::from_ns(static_cast<int64_t>(index));
-  pose.T_frame_body.linear() = Eigen::Quaterniond(R).normalized().toRotationMatrix();
+  pose.T_frame_body.linear() = orthonormal(R);
   pose.T_frame_body.translation() = m.col(3);
   return pose;
 }

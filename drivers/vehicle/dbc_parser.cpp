@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "drivers/vehicle/dbc.hpp"
-#include "drivers/vehicle/dbc_lexer.hpp"
+#include "drivers/vehicle/dbc_statement.hpp"
 
 namespace infuse::vehicle {
 namespace {
@@ -17,11 +17,6 @@ constexpr size_t kMaxMessages = 16384;
 constexpr size_t kMaxSignals = 1024;  // maximum per message
 constexpr uint32_t kExtendedBit = 0x80000000u;
 constexpr std::string_view kNoMessage = "VECTOR__INDEPENDENT_SIG_MSG";
-
-/// A statement that cannot be parsed: thrown and caught inside this file only.
-struct Malformed {
-  std::string what;
-};
 
 DbcSignal* find_signal(DbcMessage& message, std::string_view name) {
   return const_cast<DbcSignal*>(std::as_const(message).find_signal(name));
@@ -35,17 +30,15 @@ struct SignalLine {
 
 class Parser {
  public:
-  Parser(std::string_view text, const std::string& name) : lexer_(text), name_(name) {}
+  Parser(std::string_view text, const std::string& name) : in_(text), name_(name) {}
 
   DbcParseResult parse() {
-    while (lexer_.peek().kind != Kind::kEnd) {
-      const DbcToken opening = lexer_.next();
-      try {
-        parse_statement(opening);
-      } catch (const Malformed& malformed) {
-        report(opening.line, malformed.what);
-        skip_to_statement();
-      }
+    while (in_.peek().kind != Kind::kEnd) {
+      const DbcToken opening = in_.open();
+      parse_statement(opening);
+      if (in_.ok()) continue;
+      report(opening.line, *in_.error());
+      in_.skip_to_next();
     }
     resolve_multiplexors();
     return std::move(result_);
@@ -58,10 +51,10 @@ class Parser {
     if (opening.is("SIG_VALTYPE_")) return parse_value_type();
     if (opening.is("SG_MUL_VAL_")) return parse_extended_multiplexing();
     if (opening.is("NS_") || opening.is("BS_") || opening.is("BU_") || opening.is("VERSION")) {
-      return skip_lines();
+      return in_.skip_lines();
     }
-    if (opening.kind == Kind::kWord && is_dbc_keyword(opening.text)) return skip_to_semicolon();
-    throw Malformed{"'" + std::string(opening.text.substr(0, 40)) + "' does not open a statement"};
+    if (opening.kind == Kind::kWord && is_dbc_keyword(opening.text)) return in_.skip_to_semicolon();
+    return in_.fail("'" + std::string(opening.text.substr(0, 40)) + "' does not open a statement");
   }
 
   // BO_ 2364540158 Name: 8 Transmitter
@@ -71,21 +64,21 @@ class Parser {
     const uint32_t id = parse_message_id();
     parsed.extended = (id & kExtendedBit) != 0;
     parsed.id = id & ~kExtendedBit;
-    parsed.name = expect_token(Kind::kWord, "the message's name").text;
-    expect(":");
-    const uint64_t length = parse_unsigned("the message's length");
-    if (lexer_.peek().kind == Kind::kWord && !lexer_.peek().first_on_line) lexer_.next();
-    if (parsed.name == kNoMessage) return;
+    parsed.name = in_.expect(Kind::kWord, "the message's name").text;
+    in_.expect(":");
+    const uint64_t length = in_.whole_number("the message's length");
+    if (in_.peek().kind == Kind::kWord && !in_.peek().first_on_line) in_.next();
+    if (!in_.ok() || parsed.name == kNoMessage) return;
     if (parsed.id > (parsed.extended ? 0x1FFFFFFFu : 0x7FFu)) {
-      throw Malformed{"message " + parsed.name + ": id out of range"};
+      return in_.fail("message " + parsed.name + ": id out of range");
     }
-    if (length > 64) throw Malformed{"message " + parsed.name + " is longer than 64 bytes"};
+    if (length > 64) return in_.fail("message " + parsed.name + " is longer than 64 bytes");
     parsed.length = static_cast<uint16_t>(length);
-    if (result_.dbc.messages().size() >= kMaxMessages) throw Malformed{"too many messages"};
+    if (result_.dbc.messages().size() >= kMaxMessages) return in_.fail("too many messages");
     const std::string label = parsed.name;
     current_message_ = {parsed.id, parsed.extended};
     if (!result_.dbc.add(std::move(parsed))) {
-      throw Malformed{"message " + label + ": another message has the same id"};
+      return in_.fail("message " + label + ": another message has the same id");
     }
     has_message_ = true;
   }
@@ -94,51 +87,48 @@ class Parser {
   void parse_signal() {
     SignalLine parsed;
     DbcSignal& s = parsed.signal;
-    s.name = expect_token(Kind::kWord, "the signal's name").text;
-    if (!lexer_.peek().is(":")) {
-      parse_multiplexing(expect_token(Kind::kWord, "':' or a multiplexor indicator").text, parsed);
+    s.name = in_.expect(Kind::kWord, "the signal's name").text;
+    if (!in_.peek().is(":")) {
+      parse_multiplexing(in_.expect(Kind::kWord, "':' or a multiplexor indicator").text, parsed);
     }
-    expect(":");
-    const uint64_t start = parse_unsigned("the start bit");
-    expect("|");
-    const uint64_t length = parse_unsigned("the length");
-    expect("@");
+    in_.expect(":");
+    const uint64_t start = in_.whole_number("the start bit");
+    in_.expect("|");
+    const uint64_t length = in_.whole_number("the length");
+    in_.expect("@");
     parse_byte_order_and_sign(s);
-    expect("(");
-    s.scale = parse_number("the factor");
-    expect(",");
-    s.offset = parse_number("the offset");
-    expect(")");
-    expect("[");
-    s.minimum = parse_number("the minimum");
-    expect("|");
-    s.maximum = parse_number("the maximum");
-    expect("]");
-    s.unit = expect_token(Kind::kString, "the unit").text;
-    while (lexer_.peek().kind != Kind::kEnd && !lexer_.peek().first_on_line) lexer_.next();
-
-    if (!has_message_) {  // its message was refused and reported
-      return;
-    }
+    in_.expect("(");
+    s.scale = in_.number("the factor");
+    in_.expect(",");
+    s.offset = in_.number("the offset");
+    in_.expect(")");
+    in_.expect("[");
+    s.minimum = in_.number("the minimum");
+    in_.expect("|");
+    s.maximum = in_.number("the maximum");
+    in_.expect("]");
+    s.unit = in_.expect(Kind::kString, "the unit").text;
+    in_.skip_rest_of_line();
+    if (!in_.ok() || !has_message_) return;  // a message that was refused has been reported
     DbcMessage& owner = *result_.dbc.find(current_message_.first, current_message_.second);
     const std::string label = owner.name + "." + s.name;
     if (length < 1 || length > 64 || start >= 512) {
-      throw Malformed{label + ": start bit or length out of range"};
+      return in_.fail(label + ": start bit or length out of range");
     }
     s.start_bit = static_cast<uint16_t>(start);
     s.length = static_cast<uint16_t>(length);
     const CanFrame frame = make_frame(owner, {});
-    if (!raw_value(s, frame.payload())) throw Malformed{label + " does not fit into its message"};
-    if (s.scale == 0) throw Malformed{label + ": the factor is 0"};
-    if (owner.find_signal(s.name) != nullptr) throw Malformed{label + " is defined twice"};
-    if (owner.signals.size() >= kMaxSignals) throw Malformed{label + ": too many signals"};
+    if (!raw_value(s, frame.payload())) return in_.fail(label + " does not fit into its message");
+    if (s.scale == 0) return in_.fail(label + ": the factor is 0");
+    if (owner.find_signal(s.name) != nullptr) return in_.fail(label + " is defined twice");
+    if (owner.signals.size() >= kMaxSignals) return in_.fail(label + ": too many signals");
     if (parsed.selector_value) {
       s.multiplexor_values.emplace_back(*parsed.selector_value, *parsed.selector_value);
     }
     owner.signals.push_back(std::move(s));
   }
 
-  static void parse_multiplexing(std::string_view indicator, SignalLine& parsed) {
+  void parse_multiplexing(std::string_view indicator, SignalLine& parsed) {
     std::string_view rest = indicator;
     if (rest.ends_with('M')) {
       parsed.signal.is_multiplexor = true;
@@ -148,53 +138,53 @@ class Parser {
     uint64_t value = 0;
     const auto [end, error] = std::from_chars(rest.data() + 1, rest.data() + rest.size(), value);
     if (rest[0] != 'm' || error != std::errc() || end != rest.data() + rest.size()) {
-      throw Malformed{"'" + std::string(indicator.substr(0, 40)) +
-                      "' is not a multiplexor indicator (M, m<value> or m<value>M)"};
+      return in_.fail("'" + std::string(indicator.substr(0, 40)) +
+                      "' is not a multiplexor indicator (M, m<value> or m<value>M)");
     }
     parsed.selector_value = value;
   }
 
   void parse_byte_order_and_sign(DbcSignal& s) {
-    const uint64_t order = parse_unsigned("the byte order");
-    if (order > 1) throw Malformed{"the byte order of " + s.name + " is neither 0 nor 1"};
+    const uint64_t order = in_.whole_number("the byte order");
+    if (order > 1) return in_.fail("the byte order of " + s.name + " is neither 0 nor 1");
     s.byte_order = order == 1 ? ByteOrder::kIntel : ByteOrder::kMotorola;
-    const DbcToken sign = lexer_.next();
-    if (!sign.is("+") && !sign.is("-")) throw Malformed{"expected + or - after the byte order"};
+    const DbcToken sign = in_.next();
+    if (!sign.is("+") && !sign.is("-")) in_.fail("expected + or - after the byte order");
     s.type = sign.is("-") ? SignalType::kSigned : SignalType::kUnsigned;
   }
 
   // SIG_VALTYPE_ 100 NAME : 1;
   void parse_value_type() {
     DbcSignal* s = parse_signal_reference();
-    if (lexer_.peek().is(":")) lexer_.next();
-    const uint64_t type = parse_unsigned("the value type");
-    if (type > 2) throw Malformed{"the value type is not 0, 1 or 2"};
-    if (s != nullptr && type > 0) {
+    in_.accept(":");
+    const uint64_t type = in_.whole_number("the value type");
+    if (type > 2) return in_.fail("the value type is not 0, 1 or 2");
+    if (in_.ok() && s != nullptr && type > 0) {
       if (s->length != (type == 1 ? 32 : 64)) {
-        throw Malformed{s->name + ": a float has 32 bits, a double 64"};
+        return in_.fail(s->name + ": a float has 32 bits, a double 64");
       }
       s->type = type == 1 ? SignalType::kFloat32 : SignalType::kFloat64;
     }
-    expect(";");
+    in_.expect(";");
   }
 
   // SG_MUL_VAL_ 100 NAME SELECTOR 1-3, 5-5;
   void parse_extended_multiplexing() {
-    const DbcToken ahead = lexer_.peek();
+    const int line = in_.peek().line;
     DbcSignal* s = parse_signal_reference();
-    const std::string selector(expect_token(Kind::kWord, "the multiplexor's name").text);
+    const std::string selector(in_.expect(Kind::kWord, "the multiplexor's name").text);
     std::vector<std::pair<uint64_t, uint64_t>> ranges;
     do {
-      const uint64_t from = parse_unsigned("a value");
-      if (lexer_.peek().is("-")) lexer_.next();
-      const double to = std::abs(parse_number("the end of a range"));  // "1-3" is read as 1, −3
-      if (!(to <= 1.8e19)) throw Malformed{"the end of a range is too large"};
+      const uint64_t from = in_.whole_number("a value");
+      in_.accept("-");
+      const double to = std::abs(in_.number("the end of a range"));  // "1-3" is read as 1, −3
+      if (!(to <= 1.8e19)) return in_.fail("the end of a range is too large");
       ranges.emplace_back(from, static_cast<uint64_t>(to));
-    } while (lexer_.peek().is(",") && (lexer_.next(), true));
-    expect(";");
-    if (s == nullptr) return;
+    } while (in_.accept(","));
+    in_.expect(";");
+    if (!in_.ok() || s == nullptr) return;
     s->multiplexor_values = std::move(ranges);
-    named_selectors_.push_back({signal_message_, s->name, selector, ahead.line});
+    named_selectors_.push_back({signal_message_, s->name, selector, line});
   }
 
   /// Links each multiplexed signal to its selector: the one that SG_MUL_VAL_ names, or the only
@@ -234,82 +224,16 @@ class Parser {
 
   DbcSignal* parse_signal_reference() {
     const uint32_t id = parse_message_id();
-    const std::string_view name = expect_token(Kind::kWord, "the signal's name").text;
+    const std::string_view name = in_.expect(Kind::kWord, "the signal's name").text;
     signal_message_ = {id & ~kExtendedBit, (id & kExtendedBit) != 0};
     DbcMessage* owner = result_.dbc.find(signal_message_.first, signal_message_.second);
     return owner == nullptr ? nullptr : find_signal(*owner, name);
   }
 
-  DbcToken expect_token(Kind kind, const char* what) {
-    if (lexer_.peek().kind == Kind::kUnterminatedString) throw Malformed{"a string is not closed"};
-    if (lexer_.peek().kind != kind) {
-      throw Malformed{"expected " + std::string(what) + ", found '" +
-                      std::string(lexer_.peek().text.substr(0, 40)) + "'"};
-    }
-    return lexer_.next();
-  }
-
-  void expect(std::string_view sign) {
-    if (!lexer_.peek().is(sign)) {
-      throw Malformed{"expected '" + std::string(sign) + "', found '" +
-                      std::string(lexer_.peek().text.substr(0, 40)) + "'"};
-    }
-    lexer_.next();
-  }
-
-  double parse_number(const char* what) {
-    std::string_view text = expect_token(Kind::kNumber, what).text;
-    if (text.starts_with('+')) text.remove_prefix(1);
-    double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
-      throw Malformed{"'" + std::string(text.substr(0, 40)) + "' is not a number"};
-    }
-    return value;
-  }
-
-  uint64_t parse_unsigned(const char* what) {
-    const std::string_view text = expect_token(Kind::kNumber, what).text;
-    uint64_t value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size()) {
-      throw Malformed{"'" + std::string(text.substr(0, 40)) + "' is not " + what};
-    }
-    return value;
-  }
-
   uint32_t parse_message_id() {
-    const uint64_t id = parse_unsigned("the message's id");
-    if (id > 0xFFFFFFFFu) throw Malformed{"the message's id is out of range"};
+    const uint64_t id = in_.whole_number("the message's id");
+    if (id > 0xFFFFFFFFu) in_.fail("the message's id is out of range");
     return static_cast<uint32_t>(id);
-  }
-
-  /// VERSION "x", BS_: and BU_: a b end with their lines; the words under NS_: are alone on their
-  /// lines.
-  void skip_lines() {
-    while (lexer_.peek().kind != Kind::kEnd) {
-      const DbcToken& ahead = lexer_.peek();
-      if (ahead.first_on_line && !ahead.last_on_line) return;
-      lexer_.next();
-    }
-  }
-
-  void skip_to_semicolon() {
-    while (!lexer_.peek().is(";")) {
-      const DbcToken& ahead = lexer_.peek();
-      if (ahead.kind == Kind::kUnterminatedString) throw Malformed{"a string is not closed"};
-      if (ahead.kind == Kind::kEnd || opens_statement(ahead)) throw Malformed{"expected ';'"};
-      lexer_.next();
-    }
-    lexer_.next();
-  }
-
-  void skip_to_statement() {
-    while (lexer_.peek().kind != Kind::kEnd && !opens_statement(lexer_.peek())) lexer_.next();
-  }
-
-  static bool opens_statement(const DbcToken& token) {
-    return token.kind == Kind::kWord && token.first_on_line && is_dbc_keyword(token.text);
   }
 
   void report(int line, std::string what) {
@@ -324,7 +248,7 @@ class Parser {
     int line;
   };
 
-  DbcLexer lexer_;
+  DbcStatement in_;
   std::string name_;
   DbcParseResult result_;
   MessageKey current_message_{};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "drivers/measurement/median.hpp"
 #include "drivers/velodyne/velodyne_maker.hpp"
 
 namespace infuse::velodyne {
@@ -94,10 +95,8 @@ uint8_t ModelInference::product_id() const {
 }
 
 int64_t ModelInference::median_period_us() const {
-  const auto count = static_cast<ptrdiff_t>(std::min<uint64_t>(periods_, kMaxPeriods));
   auto periods = periods_us_;
-  std::nth_element(periods.begin(), periods.begin() + count / 2, periods.begin() + count);
-  return periods[static_cast<size_t>(count / 2)];
+  return median(std::span(periods).first(std::min<uint64_t>(periods_, kMaxPeriods)));
 }
 
 const ModelInfo* ModelInference::judge_info() const {

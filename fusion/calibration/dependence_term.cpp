@@ -11,7 +11,6 @@ namespace infuse::calibration {
 namespace {
 
 using dependence::Estimate;
-using dependence::Measure;
 
 /// Measure of the joint histogram of lidar and image.
 class HistogramTerm : public DependenceTerm {
@@ -63,7 +62,7 @@ std::optional<std::string> TermOptions::invalid() const {
   if (bags < 1 || bags > 100'000) return "bags must lie in 1 … 100000";
   if (lidar.empty() || image.empty())
     return "at least one lidar and one image feature must be given";
-  const bool several = measure == MeasureKind::kLsmi || measure == MeasureKind::kBlsmi;
+  const bool several = estimator == Estimator::kLsmi || estimator == Estimator::kBlsmi;
   if (!several && (lidar.size() > 1 || image.size() > 1)) {
     return "only lsmi and blsmi accept several features";
   }
@@ -93,27 +92,12 @@ std::unique_ptr<DependenceTerm> make_term(const TermOptions& options, const Visi
     for (const uint32_t i : chosen) column.push_back(std::isnan(all[i]) ? 0.0F : all[i]);
     if (options.equalize) features::equalize(column);
   }
-  const auto histogram = [&](Measure measure, dependence::Window window) {
-    return std::make_unique<HistogramTerm>(measure, window, options.bins, std::move(chosen),
-                                           lidar.front());
-  };
-  using dependence::Window;
-  switch (options.measure) {
-    case MeasureKind::kMutualInformation:
-      return histogram(Measure::kMutualInformation, Window::kBSpline);
-    case MeasureKind::kMutualInformationKde:
-      return histogram(Measure::kMutualInformation, Window::kGaussian);
-    case MeasureKind::kNormalisedMutualInformation:
-      return histogram(Measure::kNormalisedMutualInformation, Window::kBSpline);
-    case MeasureKind::kChiSquared:
-      return histogram(Measure::kChiSquared, Window::kBSpline);
-    case MeasureKind::kLsmi:
-    case MeasureKind::kBlsmi:
-      return make_least_squares_term(options, std::move(chosen), lidar);
-    case MeasureKind::kSquaredLossMutualInformation:
-      break;
-  }
-  return histogram(Measure::kSquaredLossMutualInformation, Window::kBSpline);
+  if (options.estimator == Estimator::kLsmi || options.estimator == Estimator::kBlsmi)
+    return make_least_squares_term(options, std::move(chosen), lidar);
+  const auto window = options.estimator == Estimator::kKernelDensity ? dependence::Window::kGaussian
+                                                                     : dependence::Window::kBSpline;
+  return std::make_unique<HistogramTerm>(options.measure, window, options.bins, std::move(chosen),
+                                         lidar.front());
 }
 
 }  // namespace infuse::calibration

@@ -9,19 +9,18 @@
 
 #include "fusion/calibration/feature.hpp"
 #include "fusion/calibration/visible_points.hpp"
-#include "fusion/dependence/estimate.hpp"
+#include "fusion/dependence/histogram_measures.hpp"
 
 namespace infuse::calibration {
 
-/// Measure of dependence between lidar and image features.
-enum class MeasureKind {
-  kMutualInformation,     ///< P(3.17), cubic B-spline window
-  kMutualInformationKde,  ///< P(3.15–3.17), Gaussian kernel of Silverman's width; without gradient
-  kNormalisedMutualInformation,   ///< I(4.2)
-  kChiSquared,                    ///< P(3.25)
-  kSquaredLossMutualInformation,  ///< discretised SMI, I(4.3)
-  kLsmi,                          ///< LSMI, I(2.7–2.8), of several features jointly
-  kBlsmi,                         ///< bagged LSMI, I(2.9), of several features jointly
+using dependence::Measure;
+
+/// How a measure of dependence is estimated.
+enum class Estimator {
+  kHistogram,      ///< joint histogram, cubic B-spline window, P(3.17)
+  kKernelDensity,  ///< the same, Gaussian kernel of Silverman's width, P(3.15–3.17); no gradient
+  kLsmi,           ///< LSMI, I(2.7–2.8), of several features jointly
+  kBlsmi,          ///< bagged LSMI, I(2.9), of several features jointly
 };
 
 /// Measure that is prepared with the lidar's values once and evaluated with the image's at every
@@ -43,7 +42,8 @@ class DependenceTerm {
 /// Summand of an objective: a measure between one lidar feature and one image feature, or, for LSMI
 /// and BLSMI, between several of each jointly.
 struct TermOptions {
-  MeasureKind measure = MeasureKind::kMutualInformation;
+  Measure measure = Measure::kMutualInformation;  ///< of LSMI it is squared-loss mutual information
+  Estimator estimator = Estimator::kHistogram;
   std::vector<LidarFeature> lidar{LidarFeature::kRelativeReflectivity};
   std::vector<ImageFeature> image{ImageFeature::kLocalGrey};
   double weight = 1;     ///< factor of the measure in the sum

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "fusion/calibration/ascent.hpp"
+#include "fusion/calibration/distributions.hpp"
 #include "fusion/geometry/symmetric_eigen.hpp"
 
 namespace infuse::calibration {

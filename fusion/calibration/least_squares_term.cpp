@@ -28,7 +28,7 @@ Scale unit_variance_scale(const MatrixXd& samples, Index column) {
 }
 
 dependence::BagOptions bag_options(const TermOptions& options, size_t samples) {
-  const bool bagged = options.measure == MeasureKind::kBlsmi;
+  const bool bagged = options.estimator == Estimator::kBlsmi;
   const auto max_samples =
       static_cast<int>(std::min<size_t>(samples, bagged ? kBagSize : kMaxLsmiSamples));
   return {.bags = bagged ? options.bags : 1, .bag_size = std::max(max_samples, 2)};

@@ -5,26 +5,28 @@
 namespace infuse::calibration {
 namespace {
 
-using enum MeasureKind;
+using enum dependence::Measure;
+using enum Estimator;
 using enum LidarFeature;
 
-TermOptions make_term_options(MeasureKind measure, LidarFeature lidar, ImageFeature image) {
+TermOptions make_term_options(Measure measure, LidarFeature lidar, ImageFeature image) {
   return {.measure = measure, .lidar = {lidar}, .image = {image}, .bins = 32, .equalize = false};
 }
 
 /// Relative reflectivity against local grey, both without unit, so that no ranks are needed.
-std::vector<TermOptions> relative_terms(MeasureKind measure) {
+std::vector<TermOptions> relative_terms(Measure measure) {
   return {make_term_options(measure, kRelativeReflectivity, ImageFeature::kLocalGrey)};
 }
 
 /// Reflectivity against grey, both as the sensors state them.
-std::vector<TermOptions> raw_terms(MeasureKind measure) {
+std::vector<TermOptions> raw_terms(Measure measure) {
   return {make_term_options(measure, kReflectivity, ImageFeature::kGrey)};
 }
 
 /// Joint features, each relative to its surroundings.
-TermOptions joint_term(MeasureKind measure) {
-  return {.measure = measure,
+TermOptions joint_term(Estimator estimator) {
+  return {.measure = kSquaredLossMutualInformation,
+          .estimator = estimator,
           .lidar = {kRelativeReflectivity, kDiscontinuity},
           .image = {ImageFeature::kLocalGrey, ImageFeature::kRingEdge},
           .equalize = false};
@@ -32,8 +34,8 @@ TermOptions joint_term(MeasureKind measure) {
 
 /// I table 4.1: with normals, which have no surroundings to be relative to. They depend on the
 /// place in the image as road and houses do, which causes a bias of 0.1° on simulated streets.
-TermOptions joint_term_with_normals(MeasureKind measure) {
-  TermOptions term = joint_term(measure);
+TermOptions joint_term_with_normals(Estimator estimator) {
+  TermOptions term = joint_term(estimator);
   term.lidar.insert(term.lidar.end(), {kNormalX, kNormalY, kNormalZ});
   return term;
 }
@@ -66,7 +68,7 @@ std::vector<NamedMeasure> make_named_measures() {
        .terms = raw_terms(kMutualInformation)},
       {.name = "mi-kde",
        .description = "mutual information, P(3.17), Gaussian KDE on 256 bins",
-       .terms = {{.measure = kMutualInformationKde, .bins = 256, .equalize = false}},
+       .terms = {{.estimator = kKernelDensity, .bins = 256, .equalize = false}},
        .has_gradient = false},
       {.name = "chi2", .description = "chi-squared, P(3.25)", .terms = relative_terms(kChiSquared)},
       {.name = "smi",

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "drivers/measurement/median.hpp"
 #include "drivers/measurement/simd.hpp"
 #include "fusion/dependence/joint_histogram.hpp"
 #include "fusion/features/ranks.hpp"
@@ -290,9 +291,7 @@ double Objective::median_range() const {
     ranges.push_back(Eigen::Vector3d(points_.x[i], points_.y[i], points_.z[i]).norm());
   }
   if (ranges.empty()) return 0;
-  const auto middle = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() / 2);
-  std::nth_element(ranges.begin(), middle, ranges.end());
-  return *middle;
+  return median(ranges);
 }
 
 std::vector<SceneInformation> Objective::scene_information(

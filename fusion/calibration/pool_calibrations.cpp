@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fusion/calibration/distributions.hpp"
+
 namespace infuse::calibration {
 namespace {
 
@@ -131,24 +133,6 @@ bool is_covariance(const Matrix6& covariance) {
   const Matrix6 correlation = scale.asDiagonal() * covariance * scale.asDiagonal();
   const Eigen::LLT<Matrix6> factor(correlation);
   return factor.info() == Eigen::Success && factor.matrixLLT().diagonal().minCoeff() > 1e-6;
-}
-
-double chi_squared_exceeded(double value, int degrees_of_freedom) {
-  if (degrees_of_freedom <= 0 || !(value > 0)) return 1;
-  // exp(−x) Σ x^i / i!, i < n / 2, x = value / 2; by logarithms, as x may be large.
-  const double x = value / 2;
-  double sum = 0;
-  for (int i = 0; i < degrees_of_freedom / 2; ++i) {
-    sum += std::exp(i * std::log(x) - std::lgamma(i + 1.0) - x);
-  }
-  return std::min(sum, 1.0);
-}
-
-double fisher6_exceeded(double value, double degrees_of_freedom) {
-  // In closed form, as 6 is even: y^b Σ_{i<3} (b)_i (1 − y)^i / i!, y = ν / (ν + 6 f), b = ν / 2.
-  const double y = degrees_of_freedom / (degrees_of_freedom + 6 * std::max(value, 0.0));
-  const double b = degrees_of_freedom / 2;
-  return std::pow(y, b) * (1 + b * (1 - y) + b * (b + 1) / 2 * (1 - y) * (1 - y));
 }
 
 }  // namespace infuse::calibration

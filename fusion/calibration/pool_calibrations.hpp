@@ -56,10 +56,4 @@ ChangedPose pool_changed(std::span<const DatedCalibration> calibrations,
 /// True if a covariance is finite, symmetric and positive definite.
 bool is_covariance(const geometry::Matrix6& covariance);
 
-/// Probability that χ² with an even number of degrees of freedom exceeds `value`; 1 with none.
-double chi_squared_exceeded(double value, int degrees_of_freedom);
-
-/// Probability that F(6, degrees_of_freedom) exceeds `value`; degrees_of_freedom > 0.
-double fisher6_exceeded(double value, double degrees_of_freedom);
-
 }  // namespace infuse::calibration

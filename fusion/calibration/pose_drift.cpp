@@ -3,6 +3,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 
+#include "fusion/calibration/distributions.hpp"
+
 namespace infuse::calibration {
 namespace {
 

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "drivers/measurement/angles.hpp"
+#include "fusion/calibration/distributions.hpp"
 #include "fusion/calibration/scene_similarity.hpp"
 #include "fusion/geometry/symmetric_eigen.hpp"
 
@@ -140,24 +141,6 @@ std::string describe_imprecision(const Matrix6& covariance, double max_rotation_
 double scatter_factor(double design_effect, size_t scenes) {
   const auto n = static_cast<double>(scenes);
   return design_effect * n / (n - design_effect);
-}
-
-double widening_of_few(double degrees_of_freedom) {
-  // P(F > f) in closed form, as 6 is even, with y = ν / (ν + 6 f): y^b Σ_{i<3} (b)_i (1 − y)^i /
-  // i!.
-  const double b = degrees_of_freedom / 2;
-  const auto exceeded = [&](double six_f) {
-    const double y = degrees_of_freedom / (degrees_of_freedom + six_f);
-    return std::pow(y, b) * (1 + b * (1 - y) + b * (b + 1) / 2 * (1 - y) * (1 - y));
-  };
-  constexpr double kChiSquare = 12.591587;  // 95 % of 6 degrees of freedom
-  double low = kChiSquare, high = 2 * kChiSquare;
-  while (exceeded(high) > 0.05 && high < 1e9) high *= 2;
-  for (int k = 0; k < 60; ++k) {
-    const double middle = (low + high) / 2;
-    (exceeded(middle) > 0.05 ? low : high) = middle;
-  }
-  return low / kChiSquare;
 }
 
 Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& T_refcam_lidar,

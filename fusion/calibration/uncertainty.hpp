@@ -75,8 +75,4 @@ std::string describe_imprecision(const geometry::Matrix6& covariance, double max
 /// their sum, without bias: d S / (S − d) with their `design_effect` d.
 double scatter_factor(double design_effect, size_t scenes);
 
-/// Returns the ratio of the 95 % quantiles of 6 F(6, `degrees_of_freedom`) and χ²(6): by how much
-/// a covariance is widened that is itself estimated.
-double widening_of_few(double degrees_of_freedom);
-
 }  // namespace infuse::calibration

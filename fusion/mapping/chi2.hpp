@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "drivers/measurement/median.hpp"
 #include "fusion/mapping/pose_graph.hpp"
 
 namespace infuse::mapping {
@@ -19,9 +20,7 @@ inline constexpr double kChi2Limit = D == 2 ? 16.27 : 22.46;
 template <int D>
 double chi2_scale(std::vector<double> chi2) {
   if (chi2.empty()) return 1;
-  const auto middle = chi2.begin() + static_cast<ptrdiff_t>(chi2.size() / 2);
-  std::nth_element(chi2.begin(), middle, chi2.end());
-  return std::max(*middle / kChi2Median<D>, 1e-9);
+  return std::max(median(chi2) / kChi2Median<D>, 1e-9);
 }
 
 }  // namespace infuse::mapping

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "drivers/measurement/rotation.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
 #include "fusion/geometry/symmetric_eigen.hpp"
 
@@ -45,9 +46,7 @@ Square<2> orthonormal(const Square<2>& R) {
   return Square<2>{{x[0], -x[1]}, {x[1], x[0]}};
 }
 
-Square<3> orthonormal(const Square<3>& R) {
-  return Eigen::Quaterniond(R).normalized().toRotationMatrix();
-}
+Square<3> orthonormal(const Square<3>& R) { return infuse::orthonormal(R); }
 
 /// Residuals, T_from_to⁻¹ T_map_from⁻¹ T_map_to being the error E of an edge.
 template <int D>

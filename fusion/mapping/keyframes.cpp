@@ -1,5 +1,7 @@
 #include "fusion/mapping/keyframes.hpp"
 
+#include "drivers/measurement/rotation.hpp"
+
 namespace infuse::mapping {
 namespace {
 
@@ -42,8 +44,7 @@ bool KeyframePicker::add(const SweepMotion& motion) {
   const Eigen::Isometry3d T_step =
       motion.measured ? motion.T_from_to : geometry::exp(velocity_ * seconds);
   T_odom_vehicle_ = T_odom_vehicle_ * T_step;
-  T_odom_vehicle_.linear() =
-      Eigen::Quaterniond(T_odom_vehicle_.linear()).normalized().toRotationMatrix();
+  T_odom_vehicle_.linear() = orthonormal(T_odom_vehicle_.linear());
   distance_driven_ += T_step.translation().norm();
   stamp_ = motion.stamp;
   since_last_ += geometry::transform_covariance(

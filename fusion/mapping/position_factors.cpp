@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "drivers/measurement/median.hpp"
 #include "fusion/geometry/plane_length.hpp"
 
 namespace infuse::mapping {
@@ -101,9 +102,7 @@ bool select(const std::vector<PositionFactor>& factors, const std::vector<Pose<3
     errors.push_back(sigmas_of(factor, poses[factor.pose + first]));
   }
   std::vector<double> sorted = errors;
-  const auto middle = sorted.begin() + static_cast<ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  const double limit = std::max(max_sigmas, 3 * *middle);
+  const double limit = std::max(max_sigmas, 3 * median(sorted));
   bool changed = false;
   for (size_t i = 0; i < errors.size(); ++i) {
     const char accept = errors[i] <= limit ? 1 : 0;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "drivers/measurement/rotation.hpp"
+
 namespace infuse::motion {
 namespace {
 
@@ -144,8 +146,7 @@ void OdometryState::predict(double seconds) {
   F.block<6, 6>(kLidarDrift, kLidarDrift) *= drift_decay;
 
   T_odom_vehicle_ = T_odom_vehicle_ * geometry::exp(twist * dt);
-  // Renormalise the rotation, which drifts over millions of steps.
-  T_odom_vehicle_.linear() = Eigen::Quaterniond(T_odom_vehicle_.linear()).normalized().matrix();
+  T_odom_vehicle_.linear() = orthonormal(T_odom_vehicle_.linear());
   x_[kSpeed] += dt * x_[kAcceleration];
   x_[kAcceleration] *= decay;
   x_[kSteeringZero] *= steering_zero_decay;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "drivers/measurement/median.hpp"
+
 namespace infuse::motion {
 namespace {
 
@@ -21,10 +23,11 @@ ErrorStatistics compute_statistics(std::vector<double> errors) {
   }
   s.rms = std::sqrt(s.rms / static_cast<double>(s.count));
   s.mean /= static_cast<double>(s.count);
-  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(s.count / 2);
-  std::nth_element(errors.begin(), middle, errors.end());
-  s.median = *middle;
-  if (s.count % 2 == 0) s.median = 0.5 * (s.median + *std::max_element(errors.begin(), middle));
+  s.median = median(errors);
+  if (s.count % 2 == 0) {
+    const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(s.count / 2);
+    s.median = 0.5 * (s.median + *std::max_element(errors.begin(), middle));
+  }
   return s;
 }
 

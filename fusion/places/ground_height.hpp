@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "drivers/measurement/median.hpp"
+
 namespace infuse::places {
 
 /// Height of the ground, m, among points about an upright vehicle: a low quantile of the near ones.
@@ -15,10 +17,8 @@ inline double ground_height(const std::vector<Eigen::Vector3d>& points) {
     if (p.head<2>().norm() < kNear) heights.push_back(p.z());
   }
   if (heights.empty()) return 0;
-  const auto at = heights.begin() +
-                  static_cast<std::ptrdiff_t>(kQuantile * static_cast<double>(heights.size()));
-  std::nth_element(heights.begin(), at, heights.end());
-  return *at;
+  return nth_smallest(heights,
+                      static_cast<size_t>(kQuantile * static_cast<double>(heights.size())));
 }
 
 }  // namespace infuse::places

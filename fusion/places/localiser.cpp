@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "drivers/measurement/rotation.hpp"
+
 namespace infuse::places {
 namespace {
 
@@ -131,8 +133,7 @@ void Localiser::predict(const mapping::SweepMotion& motion, const Eigen::Isometr
                                        : independent_noise(noise.unmeasured_rotation * seconds,
                                                            noise.unmeasured_translation * seconds);
   pose_.T_map_vehicle = pose_.T_map_vehicle * T_from_to;
-  pose_.T_map_vehicle.linear() =
-      Eigen::Quaterniond(pose_.T_map_vehicle.linear()).normalized().toRotationMatrix();
+  pose_.T_map_vehicle.linear() = orthonormal(pose_.T_map_vehicle.linear());
   pose_.covariance = geometry::transform_covariance(T_from_to.inverse(), pose_.covariance + step) +
                      independent_noise(noise.rotation_drift * root, noise.translation_drift * root);
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "drivers/measurement/rotation.hpp"
 #include "fusion/geometry/symmetric_eigen.hpp"
 
 namespace infuse::registration {
@@ -21,11 +22,6 @@ constexpr double kUnknown = 1e6;    // rad², m²: variance of a pose that is a 
 constexpr int kMaxStartSteps = 50;  // each way; the second sweep may come late
 constexpr double kStartSigmas = 3;  // by which a start fits better than a slower one
 constexpr double kFiner = 1.5;      // step to a smaller voxel
-
-/// Rounding in products of rotations would grow exponentially from sweep to sweep.
-void orthonormalise(Eigen::Isometry3d& T) {
-  T.linear() = Eigen::Quaterniond(T.linear()).normalized().toRotationMatrix();
-}
 
 /// Inverse of a covariance. Directions with a standard deviation above 1 (rad, m) are free: they
 /// have no information.
@@ -178,7 +174,7 @@ LidarOdometryResult LidarOdometry::align(const geometry::PointsView& points, Sta
         geometry::transform_covariance(T_from_lidar, result.registration.covariance + covariance_));
   }
   result.T_map_vehicle = T_map_vehicle_ * result.motion.T_from_to;
-  orthonormalise(result.T_map_vehicle);
+  result.T_map_vehicle.linear() = orthonormal(result.T_map_vehicle.linear());
   result.velocity = geometry::log(T_map_located_.inverse() * result.T_map_vehicle) /
                     to_seconds(reference - located_stamp_);
   return result;

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <random>
 
+#include "drivers/measurement/median.hpp"
+
 namespace infuse::target {
 namespace {
 
@@ -50,9 +52,7 @@ double median_distance(std::span<const TargetView> views, std::span<const Return
   for (size_t i = 0; i < views.size(); ++i) {
     scratch.push_back(rms_board_distance(views[i], planes[i], T));
   }
-  const auto middle = scratch.begin() + static_cast<std::ptrdiff_t>(scratch.size() / 2);
-  std::nth_element(scratch.begin(), middle, scratch.end());
-  return *middle;
+  return median(scratch);
 }
 
 }  // namespace

@@ -19,6 +19,7 @@
 
 #include "daemon/playback/play_lidar.hpp"
 #include "drivers/measurement/angles.hpp"
+#include "drivers/measurement/median.hpp"
 #include "drivers/recording/drive.hpp"
 #include "drivers/recording/drive_toml.hpp"
 #include "drivers/recording/trajectory_file.hpp"
@@ -119,9 +120,7 @@ void score(benchmark::State& state, const Poses& poses, const Poses& truth) {
     const Eigen::Isometry3d found = pairs[k - 1].estimate.inverse() * pairs[k].estimate;
     steps.push_back((step.inverse() * found).translation().norm());
   }
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  state.counters["step_mm"] = 1000 * *middle;
+  state.counters["step_mm"] = 1000 * median(steps);
   // In the vehicle's axes at the end, from the first pose on.
   const auto& [stamp, estimate, last] = pairs.back();
   const Eigen::Isometry3d end = pairs.front().estimate.inverse() * estimate;

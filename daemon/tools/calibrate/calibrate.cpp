@@ -128,9 +128,7 @@ Result<Eigen::Isometry3d> read_initial_pose(const CalibrateArguments& arguments,
       return fail(fmt::format("has {} numbers; T_camera_lidar has 16, by row", numbers->size()),
                   "--start");
     }
-    Eigen::Matrix4d matrix;
-    for (int i = 0; i < 16; ++i) matrix(i / 4, i % 4) = (*numbers)[static_cast<size_t>(i)];
-    const auto rigid = recording::to_rigid(matrix);
+    const auto rigid = recording::to_rigid(*numbers);
     if (!rigid) return fail("the 16 numbers are not a rigid transform", "--start");
     return *rigid;
   }

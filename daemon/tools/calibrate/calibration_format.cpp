@@ -4,31 +4,12 @@
 
 #include <algorithm>
 
+#include "daemon/protocol/number_json.hpp"
 #include "drivers/measurement/angles.hpp"
 #include "fusion/geometry/extrinsic_error.hpp"
 
 namespace infuse::daemon {
 namespace {
-
-/// 16 numbers by row.
-Json matrix_json(const Eigen::Isometry3d& T) {
-  Json numbers = Json::array();
-  for (int row = 0; row < 4; ++row) {
-    for (int column = 0; column < 4; ++column) numbers.push_back(T.matrix()(row, column));
-  }
-  return numbers;
-}
-
-/// Six rows of six numbers.
-Json matrix_json(const geometry::Matrix6& matrix) {
-  Json rows = Json::array();
-  for (int row = 0; row < 6; ++row) {
-    Json numbers = Json::array();
-    for (int column = 0; column < 6; ++column) numbers.push_back(matrix(row, column));
-    rows.push_back(numbers);
-  }
-  return rows;
-}
 
 Json error_json(const geometry::ExtrinsicError& error) {
   Json axes = Json::array();
@@ -135,12 +116,6 @@ Json refined_json(const calibration::RefinedIntrinsics& refined) {
                 {"cy", values(2)},
                 {"k1", values(3)}};
   };
-  Json covariance = Json::array();  // of the logarithm of the focal lengths, cx, cy, k1
-  for (int row = 0; row < 4; ++row) {
-    Json numbers = Json::array();
-    for (int column = 0; column < 4; ++column) numbers.push_back(refined.covariance(row, column));
-    covariance.push_back(numbers);
-  }
   return {{"fx", camera.fx},
           {"fy", camera.fy},
           {"cx", camera.cx},
@@ -148,7 +123,8 @@ Json refined_json(const calibration::RefinedIntrinsics& refined) {
           {"distortion", camera.distortion},
           {"change", four(refined.correction)},
           {"sigma", four(sigma)},
-          {"covariance", covariance}};
+          // of the logarithm of the focal lengths, cx, cy, k1
+          {"covariance", rows_json(refined.covariance)}};
 }
 
 std::string refined_text(const std::string& of, const calibration::RefinedIntrinsics& refined) {
@@ -261,7 +237,7 @@ Json to_json(const CalibrationRun& run, const ScenePairs& pairs) {
                {"measure", run.measure},
                {"usable", result.usable()},
                {"reason", result.reason},
-               {"initial_T_camera_lidar", matrix_json(run.initial_pose)},
+               {"initial_T_camera_lidar", by_row(run.initial_pose.matrix())},
                {"value", result.value},
                {"initial_value", result.initial_value},
                {"gain", result.value - result.initial_value},
@@ -278,19 +254,19 @@ Json to_json(const CalibrationRun& run, const ScenePairs& pairs) {
                {"notes", pairs.notes}};
   if (!run.motion.note.empty()) json["notes"].push_back(run.motion.note);
   if (result.has_pose) {
-    json["T_camera_lidar"] = matrix_json(result.T_refcam_lidar);
+    json["T_camera_lidar"] = by_row(result.T_refcam_lidar.matrix());
     json["change_from_initial"] = error_json(moved);
   }
   if (result.uncertainty.usable()) {
-    json["covariance"] = matrix_json(result.covariance());
-    json["covariance_of_scenes"] = matrix_json(result.uncertainty.covariance);
-    json["covariance_of_motion"] = matrix_json(run.motion.covariance);
-    json["cramer_rao_bound"] = matrix_json(result.uncertainty.cramer_rao_bound);
+    json["covariance"] = rows_json(result.covariance());
+    json["covariance_of_scenes"] = rows_json(result.uncertainty.covariance);
+    json["covariance_of_motion"] = rows_json(run.motion.covariance);
+    json["cramer_rao_bound"] = rows_json(result.uncertainty.cramer_rao_bound);
   }
   for (size_t c = 0; result.has_pose && c < pairs.cameras.size() && pairs.cameras.size() > 1; ++c) {
     json["cameras"].push_back(
         {{"name", pairs.cameras[c].name},
-         {"T_camera_lidar", matrix_json(T_camera_refcam(pairs, c) * result.T_refcam_lidar)}});
+         {"T_camera_lidar", by_row((T_camera_refcam(pairs, c) * result.T_refcam_lidar).matrix())}});
   }
   if (run.refined && run.refined->refined) {
     json["intrinsics"] = refined_json(run.refined->cameras.front());
@@ -304,7 +280,7 @@ Json to_json(const CalibrationRun& run, const ScenePairs& pairs) {
   }
   if (!result.parameter_checks.empty())
     json["model_checks"] = model_checks_json(result.parameter_checks);
-  if (result.split_half) json["split_half_covariance"] = matrix_json(*result.split_half);
+  if (result.split_half) json["split_half_covariance"] = rows_json(*result.split_half);
   if (pairs.truth && result.has_pose) {
     json["error"] =
         error_json(geometry::extrinsic_error(result.T_refcam_lidar, *pairs.truth, model));

@@ -9,6 +9,7 @@
 
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/protocol/json.hpp"
+#include "daemon/protocol/number_json.hpp"
 #include "daemon/tools/calibrate_target/target_views.hpp"
 #include "drivers/measurement/angles.hpp"
 #include "drivers/recording/drive_toml.hpp"
@@ -43,16 +44,6 @@ std::optional<TargetError> error_to_truth(const TargetViews& views, const Eigen:
                      (T.translation() - views.truth->translation()).norm()};
 }
 
-Json matrix_json(const auto& matrix) {
-  Json list = Json::array();
-  for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
-    for (Eigen::Index column = 0; column < matrix.cols(); ++column) {
-      list.push_back(matrix(row, column));
-    }
-  }
-  return list;
-}
-
 Json to_json(const TargetViews& views, const target::TargetCalibration& calibration) {
   const target::TargetResult& result = calibration.result;
   Json list = Json::array();
@@ -67,8 +58,8 @@ Json to_json(const TargetViews& views, const target::TargetCalibration& calibrat
                     {"mahalanobis_distance", view.mahalanobis}});
     if (!calibration.reasons[i].empty()) list.back()["reason"] = calibration.reasons[i];
   }
-  Json json = {{"T_camera_lidar", matrix_json(result.T_refcam_lidar.matrix())},
-               {"covariance", matrix_json(result.covariance)},
+  Json json = {{"T_camera_lidar", by_row(result.T_refcam_lidar.matrix())},
+               {"covariance", by_row(result.covariance)},
                {"usable", result.usable()},
                {"views_used", result.used},
                {"rms_m", result.rms},

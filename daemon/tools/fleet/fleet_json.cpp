@@ -1,3 +1,4 @@
+#include "daemon/protocol/number_json.hpp"
 #include "daemon/tools/fleet/fleet_summary.hpp"
 #include "daemon/tools/fleet/json_fields.hpp"
 #include "drivers/measurement/angles.hpp"
@@ -11,7 +12,7 @@ constexpr int kFleetForm = 1;  // version of the summary
 Json degrees_json(const geometry::Vector6& values) {
   geometry::Vector6 scaled = values;
   scaled.head<3>() /= kDegree;
-  return numbers_json(scaled);
+  return by_row(scaled);
 }
 
 geometry::Vector6 sigma_of(const geometry::Matrix6& covariance) {
@@ -68,7 +69,7 @@ Json camera_json(const CameraSummary& camera) {
     json["unusable"].push_back({{"drive", drive.drive}, {"reason", drive.calibration.reason}});
   }
   if (!history.usable()) return json;
-  json["T_camera_lidar"] = motion_json(history.current.T_camera_lidar);
+  json["T_camera_lidar"] = by_row(history.current.T_camera_lidar.matrix());
   json["covariance"] = rows_json(camera.covariance);
   json["covariance_of_drives"] = rows_json(history.current.covariance);
   if (camera.rig) {

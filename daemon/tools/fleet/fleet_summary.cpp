@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "drivers/measurement/angles.hpp"
+#include "fusion/calibration/distributions.hpp"
 
 namespace infuse::daemon {
 namespace {

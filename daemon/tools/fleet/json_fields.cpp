@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "daemon/protocol/number_json.hpp"
 #include "drivers/recording/rigid_matrix.hpp"
 
 namespace infuse::daemon {
@@ -44,49 +45,21 @@ std::optional<int64_t> integer_field(const Json& object, const char* key) {
 }
 
 std::optional<Eigen::Isometry3d> motion_field(const Json& object, const char* key) {
-  const Json& found = field_of(object, key);
-  if (!found.is_array() || found.size() != 16) return std::nullopt;
-  Eigen::Matrix4d matrix;
-  for (int i = 0; i < 16; ++i) {
-    const Json& number = found[static_cast<size_t>(i)];
-    if (!number.is_number() || !std::isfinite(number.get<double>())) return std::nullopt;
-    matrix(i / 4, i % 4) = number.get<double>();
-  }
-  return recording::to_rigid(matrix);
+  const auto numbers = numbers_of(field_of(object, key), 16);
+  return numbers ? recording::to_rigid(*numbers) : std::nullopt;
 }
 
 std::optional<geometry::Matrix6> matrix_field(const Json& object, const char* key) {
   const Json& found = field_of(object, key);
   if (!found.is_array() || found.size() != 6) return std::nullopt;
   geometry::Matrix6 matrix;
-  for (int r = 0; r < 6; ++r) {
-    const Json& row = found[static_cast<size_t>(r)];
-    if (!row.is_array() || row.size() != 6) return std::nullopt;
-    for (int c = 0; c < 6; ++c) {
-      const Json& number = row[static_cast<size_t>(c)];
-      if (!number.is_number() || !std::isfinite(number.get<double>())) return std::nullopt;
-      matrix(r, c) = number.get<double>();
-    }
+  for (size_t r = 0; r < 6; ++r) {
+    const auto row = numbers_of(found[r], 6);
+    if (!row) return std::nullopt;
+    matrix.row(static_cast<Eigen::Index>(r)) = Eigen::Map<const geometry::Vector6>(row->data());
   }
+  if (!matrix.allFinite()) return std::nullopt;
   return geometry::Matrix6(0.5 * (matrix + matrix.transpose()));
-}
-
-Json motion_json(const Eigen::Isometry3d& T) {
-  Json numbers = Json::array();
-  for (int i = 0; i < 16; ++i) numbers.push_back(T.matrix()(i / 4, i % 4));
-  return numbers;
-}
-
-Json rows_json(const geometry::Matrix6& matrix) {
-  Json rows = Json::array();
-  for (int r = 0; r < 6; ++r) rows.push_back(numbers_json(matrix.row(r).transpose()));
-  return rows;
-}
-
-Json numbers_json(const geometry::Vector6& numbers) {
-  Json list = Json::array();
-  for (int k = 0; k < 6; ++k) list.push_back(numbers(k));
-  return list;
 }
 
 }  // namespace infuse::daemon

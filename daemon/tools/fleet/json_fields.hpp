@@ -29,13 +29,4 @@ std::optional<Eigen::Isometry3d> motion_field(const Json& object, const char* ke
 /// The symmetric matrix of a member: six rows of six finite numbers.
 std::optional<geometry::Matrix6> matrix_field(const Json& object, const char* key);
 
-/// 16 numbers by row.
-Json motion_json(const Eigen::Isometry3d& T);
-
-/// Six rows of six numbers.
-Json rows_json(const geometry::Matrix6& matrix);
-
-/// Six numbers.
-Json numbers_json(const geometry::Vector6& numbers);
-
 }  // namespace infuse::daemon

@@ -32,8 +32,9 @@ VisiblePoints two_features(size_t n, uint64_t seed) {
   return points;
 }
 
-TermOptions both_features(MeasureKind measure) {
-  return {.measure = measure,
+TermOptions both_features(Estimator estimator) {
+  return {.measure = Measure::kSquaredLossMutualInformation,
+          .estimator = estimator,
           .lidar = {kRelativeReflectivity, kNormalX},
           .image = {ImageFeature::kLocalGrey, ImageFeature::kEdge},
           .equalize = false,
@@ -54,8 +55,8 @@ TEST(LeastSquaresTerm, MatchesTheClosedFormOfNormalVariables) {
   }
   const double one = r * r / (1 - r * r);
   const double expected = 0.5 * ((1 + one) * (1 + one) - 1);
-  for (const MeasureKind measure : {MeasureKind::kLsmi, MeasureKind::kBlsmi}) {
-    const auto estimate = make_term(both_features(measure), points)->evaluate(image, {});
+  for (const Estimator estimator : {Estimator::kLsmi, Estimator::kBlsmi}) {
+    const auto estimate = make_term(both_features(estimator), points)->evaluate(image, {});
     ASSERT_TRUE(estimate.usable()) << estimate.reason;
     EXPECT_NEAR(estimate.value, expected, 0.12);
   }
@@ -71,7 +72,7 @@ TEST(LeastSquaresTerm, FindsDependenceOfTwoFeaturesJointly) {
     image[i] = (a > 0) == (b > 0) ? 1.0F : 0.0F;
     image[points.size() + i] = static_cast<float>(normal(random));
   }
-  TermOptions together = both_features(MeasureKind::kBlsmi);
+  TermOptions together = both_features(Estimator::kBlsmi);
   TermOptions alone = together;
   alone.lidar = {kRelativeReflectivity};
   EXPECT_GT(make_term(together, points)->evaluate(image, {}).value, 0.1);
@@ -85,7 +86,7 @@ TEST(LeastSquaresTerm, PointsOutsideTheCameraModelAreIgnored) {
   for (float& value : image) value = static_cast<float>(normal(random));
   image[7] = dependence::kAbsent;
   std::vector<float> gradient(image.size());
-  const auto term = make_term(both_features(MeasureKind::kBlsmi), points);
+  const auto term = make_term(both_features(Estimator::kBlsmi), points);
   EXPECT_TRUE(term->evaluate(image, gradient).usable());
   for (const float slope : gradient) EXPECT_TRUE(std::isfinite(slope));
 }
@@ -111,7 +112,7 @@ TEST(TermOptions, SayWhatIsWrong) {
   EXPECT_TRUE((TermOptions{.bins = 2000}.invalid()));
   EXPECT_TRUE((TermOptions{.bags = 0}.invalid()));
   EXPECT_TRUE((TermOptions{.lidar = {kRelativeReflectivity, kNormalX}}.invalid()));
-  EXPECT_FALSE(both_features(MeasureKind::kLsmi).invalid());
+  EXPECT_FALSE(both_features(Estimator::kLsmi).invalid());
 }
 
 TEST(NamedMeasures, AreAllValidAndFoundByName) {

@@ -111,7 +111,7 @@ void expect_gradient_matches(const Rig& rig, double tolerance) {
       << numeric.transpose();
 }
 
-class EveryMeasure : public testing::TestWithParam<MeasureKind> {};
+class EveryMeasure : public testing::TestWithParam<Measure> {};
 
 TEST_P(EveryMeasure, GradientMatchesDifferences) {
   for (const bool equalize : {false, true}) {
@@ -121,19 +121,20 @@ TEST_P(EveryMeasure, GradientMatchesDifferences) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Objective, EveryMeasure,
-                         testing::Values(MeasureKind::kMutualInformation,
-                                         MeasureKind::kNormalisedMutualInformation,
-                                         MeasureKind::kChiSquared,
-                                         MeasureKind::kSquaredLossMutualInformation));
+                         testing::Values(Measure::kMutualInformation,
+                                         Measure::kNormalisedMutualInformation,
+                                         Measure::kChiSquared,
+                                         Measure::kSquaredLossMutualInformation));
 
 const std::vector<TermOptions> kTwoTerms{
     {}, {.lidar = {LidarFeature::kDiscontinuity}, .image = {ImageFeature::kEdge}, .weight = 2}};
 
 TEST(Objective, GradientOfSeveralFeaturesTogether) {
-  for (const MeasureKind measure : {MeasureKind::kLsmi, MeasureKind::kBlsmi}) {
+  for (const Estimator estimator : {Estimator::kLsmi, Estimator::kBlsmi}) {
     expect_gradient_matches(
         make_rig({pinhole()},
-                 {{.measure = measure,
+                 {{.measure = Measure::kSquaredLossMutualInformation,
+                   .estimator = estimator,
                    .lidar = {LidarFeature::kRelativeReflectivity, LidarFeature::kDiscontinuity},
                    .image = {ImageFeature::kLocalGrey, ImageFeature::kEdge},
                    .equalize = false,

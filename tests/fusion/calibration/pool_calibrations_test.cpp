@@ -124,23 +124,6 @@ TEST(PoolChanged, NeedsSharesThatDiffer) {
   EXPECT_FALSE(pool_calibrations({}, drawn::mount()).usable());
 }
 
-TEST(ChiSquaredExceeded, MatchesTables) {
-  EXPECT_NEAR(chi_squared_exceeded(12.5916, 6), 0.05, 1e-5);
-  EXPECT_NEAR(chi_squared_exceeded(22.4577, 6), 0.001, 1e-6);
-  EXPECT_NEAR(chi_squared_exceeded(21.0261, 12), 0.05, 1e-5);
-  EXPECT_NEAR(chi_squared_exceeded(79.0819, 60), 0.05, 1e-5);
-  EXPECT_EQ(chi_squared_exceeded(0, 6), 1);
-  EXPECT_EQ(chi_squared_exceeded(5, 0), 1);
-  EXPECT_EQ(chi_squared_exceeded(1e6, 6), 0);
-}
-
-TEST(Fisher6Exceeded, MatchesTables) {
-  EXPECT_NEAR(fisher6_exceeded(6.1631, 4), 0.05, 1e-5);
-  EXPECT_NEAR(fisher6_exceeded(3.2172, 10), 0.05, 1e-5);
-  EXPECT_NEAR(fisher6_exceeded(2.1750, 120), 0.05, 1e-5);
-  EXPECT_EQ(fisher6_exceeded(0, 12), 1);
-}
-
 TEST(IsCovariance, RefusesWhatIsNone) {
   std::mt19937_64 random(6);
   const Matrix6 good = drawn::covariance(random);

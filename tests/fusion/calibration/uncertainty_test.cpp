@@ -34,15 +34,6 @@ std::vector<Scene> first_scenes(ptrdiff_t count) {
   return {drive.scenes.begin(), drive.scenes.begin() + count};
 }
 
-TEST(WideningOfFew, MatchesTablesOfFishersDistribution) {
-  // 95 % quantiles of F(6, n): 6.1631, 3.2172, 2.5990, 2.1750; of chi-square(6): 12.5916.
-  EXPECT_NEAR(widening_of_few(4), 6 * 6.1631 / 12.5916, 1e-3);
-  EXPECT_NEAR(widening_of_few(10), 6 * 3.2172 / 12.5916, 1e-3);
-  EXPECT_NEAR(widening_of_few(20), 6 * 2.5990 / 12.5916, 1e-3);
-  EXPECT_NEAR(widening_of_few(120), 6 * 2.1750 / 12.5916, 1e-3);
-  EXPECT_NEAR(widening_of_few(1e7), 1, 1e-4);
-}
-
 TEST(CurvatureSteps, ChangeTheSamplesEvenly) {
   // A weak direction: rotation about y that a translation along x makes up for, at a range of 10 m.
   constexpr double kRange = 10;

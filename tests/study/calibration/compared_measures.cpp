@@ -15,7 +15,7 @@ using calibration::NamedMeasure;
 using calibration::TermOptions;
 
 TermOptions normalised(LidarFeature lidar, ImageFeature image) {
-  return {.measure = calibration::MeasureKind::kNormalisedMutualInformation,
+  return {.measure = calibration::Measure::kNormalisedMutualInformation,
           .lidar = {lidar},
           .image = {image},
           .bins = 32,

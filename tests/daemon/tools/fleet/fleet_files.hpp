@@ -6,6 +6,7 @@
 #include <fstream>
 #include <string>
 
+#include "daemon/protocol/number_json.hpp"
 #include "daemon/tools/fleet/drive_entry.hpp"
 #include "daemon/tools/fleet/json_fields.hpp"
 
@@ -51,7 +52,7 @@ inline Json calibrate_output(const geometry::Vector6& moved, double cpu_s = 1) {
       {"usable", true},
       {"reason", ""},
       {"cpu_s", cpu_s},
-      {"T_camera_lidar", motion_json(geometry::exp(moved))},
+      {"T_camera_lidar", by_row(geometry::exp(moved).matrix())},
       {"covariance", rows_json(all)},
       {"covariance_of_scenes", rows_json(scenes)},
       {"covariance_of_motion", rows_json(geometry::Matrix6::Zero())},
