@@ -3,57 +3,52 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <nanoflann.hpp>
 #include <numbers>
+
+#include "fusion/features/neighbour_search.hpp"
 
 namespace infuse::features {
 namespace {
 
 constexpr float kMaxCoordinate = 1e5F;  // m; what is farther away is not a measurement
 
-/// Adaptor of points for nanoflann.
+/// Points by coordinate, for the search.
 struct Cloud {
   std::vector<Eigen::Vector3f> points;
+  std::vector<float> x, y, z;
 
-  size_t kdtree_get_point_count() const { return points.size(); }
-  float kdtree_get_pt(size_t i, size_t axis) const {
-    return points[i][static_cast<Eigen::Index>(axis)];
-  }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
+  void add(const Eigen::Vector3f& p) {
+    points.push_back(p);
+    x.push_back(p.x()), y.push_back(p.y()), z.push_back(p.z());
   }
 };
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Cloud>, Cloud,
-                                                 3, uint32_t>;
 
 /// Nearest points within a radius, nearest first. The point itself is one of them.
 class Neighbourhood {
  public:
-  Neighbourhood(const Tree& tree, int capacity)
-      : tree_(tree), indices_(static_cast<size_t>(capacity)), squares_(indices_.size()) {}
+  Neighbourhood(const Cloud& cloud, int capacity)
+      : indices_(static_cast<size_t>(capacity)), squares_(indices_.size()) {
+    search_.build({cloud.x, cloud.y, cloud.z});
+  }
 
-  std::span<const uint32_t> find(const Eigen::Vector3f& point, double radius) {
-    nanoflann::KNNResultSet<float, uint32_t> result(indices_.size());
-    result.init(indices_.data(), squares_.data());
-    squares_.back() = static_cast<float>(radius * radius);  // what is not nearer is not found
-    tree_.findNeighbors(result, point.data(), nanoflann::SearchParams());
-    return {indices_.data(), result.size()};
+  std::span<const int32_t> find(const Eigen::Vector3f& point, double radius) {
+    const auto square = static_cast<float>(radius * radius);
+    return {indices_.data(), search_.nearest_points(point.data(), square, indices_, squares_)};
   }
 
  private:
-  const Tree& tree_;
-  std::vector<uint32_t> indices_;
+  NeighbourSearch search_;
+  std::vector<int32_t> indices_;
   std::vector<float> squares_;
 };
 
 /// Normal of the plane through the points, facing the origin.
-Eigen::Vector3f plane_normal(const Cloud& cloud, std::span<const uint32_t> members) {
-  const Eigen::Vector3f first = cloud.points[members.front()];
+Eigen::Vector3f plane_normal(const Cloud& cloud, std::span<const int32_t> members) {
+  const Eigen::Vector3f first = cloud.points[static_cast<size_t>(members.front())];
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
-  for (const uint32_t i : members) {
-    const Eigen::Vector3d p = (cloud.points[i] - first).cast<double>();
+  for (const int32_t i : members) {
+    const Eigen::Vector3d p = (cloud.points[static_cast<size_t>(i)] - first).cast<double>();
     mean += p;
     squares += p * p.transpose();
   }
@@ -143,13 +138,12 @@ FpfhCloud compute_fpfh(std::span<const Eigen::Vector3f> points, const FpfhOption
   for (size_t i = 0; i < points.size(); ++i) {
     // Written so that NaN is left out.
     if (!(points[i].cwiseAbs().maxCoeff() < kMaxCoordinate) || points[i].hasNaN()) continue;
-    cloud.points.push_back(points[i]);
+    cloud.add(points[i]);
     origin.push_back(static_cast<uint32_t>(i));
   }
   const auto least = static_cast<size_t>(options.min_neighbours);
   if (cloud.points.size() < least) return out;
-  const Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
-  Neighbourhood neighbourhood(tree, options.max_neighbours);
+  Neighbourhood neighbourhood(cloud, options.max_neighbours);
 
   const size_t size = cloud.points.size();
   std::vector<uint8_t> has_normal(size, 0);
@@ -168,7 +162,8 @@ FpfhCloud compute_fpfh(std::span<const Eigen::Vector3f> points, const FpfhOption
   std::vector<Fpfh> own(size, Fpfh{});
   for (size_t i = 0; i < size; ++i) {
     if (has_normal[i] != 0) {
-      for (const uint32_t k : neighbourhood.find(cloud.points[i], options.feature_radius)) {
+      for (const int32_t found : neighbourhood.find(cloud.points[i], options.feature_radius)) {
+        const auto k = static_cast<uint32_t>(found);
         if (k == i || has_normal[k] == 0) continue;
         neighbours.push_back(k);
         add_pair(cloud.points[i], normals[i], cloud.points[k], normals[k], own[i]);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "fusion/mapping/submap.hpp"
-#include "fusion/registration/neighbour_search.hpp"
+#include "fusion/features/neighbour_search.hpp"
 #include "fusion/registration/range_image.hpp"
 
 namespace infuse::mapping {
@@ -31,7 +31,7 @@ struct SubmapView {
 
   Submap submap;
   registration::RangeImage ranges;
-  registration::NeighbourSearch search;
+  features::NeighbourSearch search;
 };
 
 /// Another view and where it is.

@@ -38,7 +38,7 @@ void estimate_covariances(const NeighbourSearch& search, const CovarianceOptions
                           std::vector<NeighbourSearch::Point>& memory, PointCloud& cloud) {
   for (const NeighbourSearch::Leaf& leaf : search.leaves()) {
     const Neighbourhoods around = search.neighbourhoods(leaf, options.neighbours, memory);
-    for (int first = 0; first < kLanes; first += kPlanes) {
+    for (int first = 0; first < features::kLanes; first += kPlanes) {
       const PlaneFits planes =
           fit_planes(covariances_of(around, first, options.min_neighbours), options.min_spread);
       for (int lane = 0; lane < kPlanes; ++lane) {

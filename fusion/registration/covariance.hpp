@@ -4,10 +4,12 @@
 #include <string>
 #include <vector>
 
-#include "fusion/registration/neighbour_search.hpp"
+#include "fusion/features/neighbour_search.hpp"
 #include "fusion/registration/point_cloud.hpp"
 
 namespace infuse::registration {
+
+using features::NeighbourSearch;
 
 /// Settings of the local planes.
 struct CovarianceOptions {

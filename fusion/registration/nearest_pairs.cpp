@@ -8,6 +8,9 @@
 namespace infuse::registration {
 namespace {
 
+using features::NearestOfEach;
+using features::NearestQueries;
+
 // A search also bounds the other points' distances, by so much beyond the nearest one's: what the
 // points are expected to move in the iterations to come, in units of the last move, at most …
 constexpr double kMarginPerMove = 0.6;

@@ -2,11 +2,15 @@
 
 #include <type_traits>
 
+#include "fusion/features/lanes.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
-#include "fusion/registration/lanes.hpp"
 #include "fusion/registration/point_cloud.hpp"
 
 namespace infuse::registration {
+
+using features::Flags;
+using features::Floats;
+using features::kLanes;
 
 /// Pairs of points and their local planes as a structure of arrays in the target frame, padded to
 /// whole vectors with weight 0.

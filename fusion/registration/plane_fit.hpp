@@ -2,9 +2,11 @@
 
 #include <array>
 
-#include "fusion/registration/lanes.hpp"
+#include "fusion/features/lanes.hpp"
 
 namespace infuse::registration {
+
+using features::Doubles;
 
 inline constexpr int kPlanes = 8;  ///< planes fitted side by side
 

@@ -3,7 +3,6 @@
 #include <array>
 
 #include "fusion/geometry/rigid_motion.hpp"
-#include "fusion/registration/lanes.hpp"
 
 namespace infuse::registration {
 

@@ -1,6 +1,16 @@
 #include "fusion/registration/prepared_cloud.hpp"
 
+#include <algorithm>
+
 namespace infuse::registration {
+
+void build_and_sort(PointCloud& cloud, NeighbourSearch& search) {
+  search.build_and_sort(cloud.x, cloud.y, cloud.z);
+  cloud.resize(search.size());
+  for (FieldVector<float>* field : {&cloud.nx, &cloud.ny, &cloud.nz}) {
+    std::fill(field->begin(), field->end(), 0.0F);
+  }
+}
 
 std::optional<std::string> PrepareOptions::invalid() const {
   if (!(voxel_size >= 0 && voxel_size < 100)) return "voxel_size must be 0 ... 100 m";
@@ -11,7 +21,7 @@ void CloudPreparer::prepare(const geometry::PointsView& points, const PrepareOpt
                             PreparedCloud& out) {
   constexpr double kDistinct = 1e-3;  // m; voxels that keep all points but copies
   downsampler_.compute(points, options.voxel_size > 0 ? options.voxel_size : kDistinct, out.cloud);
-  out.search.build_and_sort(out.cloud);
+  build_and_sort(out.cloud, out.search);
   estimate_covariances(out.search, options.covariance, candidates_, out.cloud);
 }
 

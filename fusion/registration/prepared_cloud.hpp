@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "fusion/registration/covariance.hpp"
-#include "fusion/registration/neighbour_search.hpp"
 #include "fusion/registration/voxel_downsample.hpp"
 
 namespace infuse::registration {
@@ -15,6 +14,10 @@ struct PreparedCloud {
   PointCloud cloud;
   NeighbourSearch search;
 };
+
+/// Builds the search of a cloud, whose points it puts into the order of the leaves, so that points
+/// that are near each other stand together; without normals (0).
+void build_and_sort(PointCloud& cloud, NeighbourSearch& search);
 
 /// Settings of the preparation.
 struct PrepareOptions {

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "fusion/geometry/rigid_motion.hpp"
-#include "fusion/registration/lanes.hpp"
 #include "fusion/registration/pairs.hpp"
 #include "fusion/registration/point_cloud.hpp"
 

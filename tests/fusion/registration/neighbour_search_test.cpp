@@ -1,14 +1,21 @@
-#include "fusion/registration/neighbour_search.hpp"
+#include "fusion/features/neighbour_search.hpp"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "fusion/registration/voxel_downsample.hpp"
+#include "fusion/registration/prepared_cloud.hpp"
 #include "tests/fusion/registration/random_room.hpp"
 
 namespace infuse::registration {
 namespace {
+
+using features::Floats;
+using features::kLanes;
+using features::Nearest;
+using features::NearestOfEach;
+using features::NearestQueries;
+using features::Neighbourhoods;
 
 std::vector<std::pair<float, int32_t>> brute_force(const PointCloud& cloud, const float* p) {
   std::vector<std::pair<float, int32_t>> all;
@@ -45,12 +52,36 @@ TEST(NeighbourSearch, FindsWhatBruteForceFinds) {
   }
 }
 
+TEST(NeighbourSearch, FindsTheNearestPointsInOrder) {
+  const PointCloud cloud = random_room(1, 1500, 0.02, Eigen::Isometry3d::Identity());
+  NeighbourSearch search;
+  search.build(cloud.points());
+  const PointCloud queries = random_room(2, 100, 1.0, Eigen::Isometry3d::Identity());
+  for (const size_t wanted : {1U, 7U, 40U}) {
+    std::vector<int32_t> indices(wanted);
+    std::vector<float> squares(wanted);
+    for (size_t i = 0; i < queries.size(); ++i) {
+      const float p[3] = {queries.x[i], queries.y[i], queries.z[i]};
+      const auto all = brute_force(cloud, p);
+      const size_t count = search.nearest_points(p, 1.0F, indices, squares);
+      const auto near = static_cast<size_t>(
+          std::ranges::count_if(all, [](const auto& point) { return point.first < 1.0F; }));
+      ASSERT_EQ(count, std::min(near, wanted));
+      for (size_t k = 0; k < count; ++k) {
+        EXPECT_EQ(squares[k], all[k].first);
+        EXPECT_EQ(indices[k], all[k].second);
+      }
+    }
+  }
+}
+
 TEST(NeighbourSearch, FindsTheNearestOfEachOfSixteen) {
   const PointCloud cloud = random_room(1, 1500, 0.02, Eigen::Isometry3d::Identity());
   NeighbourSearch search;
   search.build(cloud.points());
   PointCloud all = random_room(2, 1600, 1.0, Eigen::Isometry3d::Identity());
-  NeighbourSearch().build_and_sort(all);
+  NeighbourSearch of_all;
+  build_and_sort(all, of_all);
   int far = 0;
   for (size_t begin = 0; begin < all.size(); begin += kLanes) {
     NearestQueries queries{{}, Floats{} - 1};
@@ -127,7 +158,7 @@ TEST(NeighbourSearch, SortsACloudByItsLeaves) {
   PointCloud cloud = random_room(1, 1000, 0.02, Eigen::Isometry3d::Identity());
   const PointCloud before = cloud;
   NeighbourSearch search;
-  search.build_and_sort(cloud);
+  build_and_sort(cloud, search);
   ASSERT_EQ(cloud.size(), before.size());
   const auto sorted = [](FieldVector<float> values) {
     std::sort(values.begin(), values.end());

@@ -4,13 +4,11 @@
 #include <cmath>
 #include <numeric>
 
-#include "tests/study/dependence/nemenman.hpp"
-
 namespace infuse::study {
 namespace {
 
 constexpr const char* kFewerSamplesThanWords =
-    "fewer observations than words: use James-Stein, Dirichlet, Nemenman or Chao-Shen";
+    "fewer observations than words: use James-Stein or Chao-Shen";
 
 double sum(std::span<const double> values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
@@ -112,25 +110,6 @@ Estimate entropy_james_stein(std::span<const double> counts, const Shrinkage& sh
   return {plug_in_entropy(shrunk.frequencies), shrunk.reason};
 }
 
-Estimate entropy_dirichlet(std::span<const double> counts, double alpha) {
-  if (const char* reason = check_counts(counts); *reason) return {0, reason};
-  if (!(alpha >= 0) || !std::isfinite(alpha)) return {0, "alpha is negative or not finite"};
-  const double total = sum(counts) + alpha * static_cast<double>(counts.size());
-  if (!std::isfinite(total)) return {0, "alpha is too large"};
-  double h = 0;
-  for (const double c : counts) h += minus_p_log_p((c + alpha) / total);
-  return {h, ""};
-}
-
-double perks_alpha(std::span<const double> counts) {
-  return counts.empty() ? 0 : 1 / static_cast<double>(counts.size());
-}
-
-double minimax_alpha(std::span<const double> counts) {
-  if (*check_counts(counts)) return 0;
-  return std::sqrt(sum(counts)) / static_cast<double>(counts.size());
-}
-
 Estimate entropy_chao_shen(std::span<const double> counts) {
   if (const char* reason = check_counts(counts); *reason) return {0, reason};
   if (!all_integers(counts)) return {0, "Chao-Shen needs whole-numbered counts"};
@@ -156,10 +135,6 @@ Estimate entropy(std::span<const double> counts, const CountEntropyOptions& opti
       return entropy_miller_madow(counts);
     case CountEntropyOptions::Estimator::kJamesStein:
       return entropy_james_stein(counts, options.shrinkage);
-    case CountEntropyOptions::Estimator::kDirichlet:
-      return entropy_dirichlet(counts, options.alpha);
-    case CountEntropyOptions::Estimator::kNemenman:
-      return entropy_nemenman(counts);
     case CountEntropyOptions::Estimator::kChaoShen:
       return entropy_chao_shen(counts);
   }

@@ -44,12 +44,6 @@ ShrunkFrequencies james_stein_frequencies(std::span<const double> counts,
 /// Entropy of the James–Stein frequencies.
 Estimate entropy_james_stein(std::span<const double> counts, const Shrinkage& shrinkage = {});
 
-/// Entropy of the frequencies (y_k + α)/(n + Kα), P(2.19). Usual α: Jeffreys ½, Laplace 1, Perks
-/// 1/K and minimax √n/K.
-Estimate entropy_dirichlet(std::span<const double> counts, double alpha);
-double perks_alpha(std::span<const double> counts);
-double minimax_alpha(std::span<const double> counts);
-
 /// Chao–Shen: Good–Turing coverage with Horvitz–Thompson, P(5.4) and P(5.5). For integer counts;
 /// zeros have no effect. If every observation is a singleton, one is removed, so that the coverage
 /// stays positive. The entropy may exceed ln K.
@@ -61,12 +55,9 @@ struct CountEntropyOptions {
     kMaximumLikelihood,
     kMillerMadow,
     kJamesStein,  ///< towards `shrinkage.target`
-    kDirichlet,   ///< with `alpha`
-    kNemenman,    ///< Dirichlet mixture, nemenman.hpp
     kChaoShen,
   };
   Estimator estimator = Estimator::kMaximumLikelihood;
-  double alpha = 0.5;   ///< Dirichlet pseudo-count per word
   Shrinkage shrinkage;  ///< for James–Stein
 };
 

@@ -60,15 +60,6 @@ TEST(CountEntropy, JamesSteinAgreesWithReference) {
               kEntropyTolerance);
 }
 
-TEST(CountEntropy, DirichletAgreesWithReference) {
-  EXPECT_NEAR(entropy_dirichlet(kSmallCounts, 0.5).value, 2.179480382724, kEntropyTolerance);
-  EXPECT_NEAR(entropy_dirichlet(kSmallCounts, 1).value, 2.257875518693, kEntropyTolerance);
-  EXPECT_NEAR(entropy_dirichlet(kSmallCounts, perks_alpha(kSmallCounts)).value, 2.036887808124,
-              kEntropyTolerance);
-  EXPECT_NEAR(entropy_dirichlet(kSmallCounts, minimax_alpha(kSmallCounts)).value, 2.154091189931,
-              kEntropyTolerance);
-}
-
 TEST(CountEntropy, PlugInOfKnownDistribution) {
   const std::vector<double> p = {0.5, 0.25, 0.125, 0.125};
   EXPECT_NEAR(plug_in_entropy(p), 1.2130075659799, 5e-14);
@@ -131,16 +122,13 @@ TEST(CountEntropy, BadCountsGiveAReasonAndAFiniteValue) {
   const std::vector<std::vector<double>> bad = {{}, {0, 0}, {-1, 2}, {NAN, 1}, {inf, 1}, {1e300}};
   using Estimator = CountEntropyOptions::Estimator;
   for (const auto& counts : bad) {
-    for (const Estimator estimator :
-         {Estimator::kMaximumLikelihood, Estimator::kMillerMadow, Estimator::kJamesStein,
-          Estimator::kDirichlet, Estimator::kNemenman, Estimator::kChaoShen}) {
-      const Estimate h = entropy(counts, {.estimator = estimator, .alpha = 0.5, .shrinkage = {}});
+    for (const Estimator estimator : {Estimator::kMaximumLikelihood, Estimator::kMillerMadow,
+                                      Estimator::kJamesStein, Estimator::kChaoShen}) {
+      const Estimate h = entropy(counts, {.estimator = estimator, .shrinkage = {}});
       EXPECT_FALSE(h.usable());
       EXPECT_TRUE(std::isfinite(h.value));
     }
   }
-  EXPECT_FALSE(entropy_dirichlet(kSmallCounts, -1).usable());
-  EXPECT_FALSE(entropy_dirichlet(kSmallCounts, 1e308).usable());
   EXPECT_FALSE(entropy_chao_shen(std::vector<double>{1.5, 2}).usable());
   EXPECT_FALSE(entropy_james_stein(kSmallCounts, {.target = {}, .lambda = 1.5}).usable());
   EXPECT_FALSE(entropy_james_stein(kSmallCounts, {.target = kSmallCounts, .lambda = {}}).usable());
@@ -158,10 +146,9 @@ TEST(CountEntropy, OnlyThePlugInRejectsFewerObservationsThanWords) {
 TEST(CountEntropy, RelabellingChangesNothing) {
   std::vector<double> reversed(kSmallCounts.rbegin(), kSmallCounts.rend());
   using Estimator = CountEntropyOptions::Estimator;
-  for (const Estimator estimator :
-       {Estimator::kMaximumLikelihood, Estimator::kMillerMadow, Estimator::kJamesStein,
-        Estimator::kDirichlet, Estimator::kNemenman, Estimator::kChaoShen}) {
-    const CountEntropyOptions options{.estimator = estimator, .alpha = 0.5, .shrinkage = {}};
+  for (const Estimator estimator : {Estimator::kMaximumLikelihood, Estimator::kMillerMadow,
+                                    Estimator::kJamesStein, Estimator::kChaoShen}) {
+    const CountEntropyOptions options{.estimator = estimator, .shrinkage = {}};
     EXPECT_NEAR(entropy(kSmallCounts, options).value, entropy(reversed, options).value, 1e-13);
   }
 }

@@ -53,8 +53,6 @@ const char* check_estimator(CountEntropyOptions::Estimator estimator) {
     case CountEntropyOptions::Estimator::kChaoShen:
       return "";
     case CountEntropyOptions::Estimator::kJamesStein:
-    case CountEntropyOptions::Estimator::kDirichlet:
-    case CountEntropyOptions::Estimator::kNemenman:
       break;
   }
   return "this estimator needs the vocabulary of sequences: use maximum likelihood, Miller-Madow "

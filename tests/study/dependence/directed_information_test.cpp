@@ -114,14 +114,14 @@ TEST(DirectedInformation, BadInputGivesAReason) {
   EXPECT_FALSE(directed_information(ten, ten, 0).usable());
   EXPECT_FALSE(directed_information(ten, ten, 10).usable());
   EXPECT_FALSE(
-      directed_information(ten, ten, 2, CountEntropyOptions::Estimator::kNemenman).usable());
+      directed_information(ten, ten, 2, CountEntropyOptions::Estimator::kJamesStein).usable());
   EXPECT_FALSE(directed_information_rate({}, {}, 0).usable());
   EXPECT_FALSE(directed_information_rate(ten, nine, 1).usable());
   EXPECT_FALSE(directed_information_rate(ten, ten, 9).usable());
   EXPECT_FALSE(directed_information_rate(ten, ten, -1).usable());
   EXPECT_FALSE(directed_information_rate(ten, ten, 17).usable());
   EXPECT_FALSE(
-      directed_information_rate(ten, ten, 1, CountEntropyOptions::Estimator::kDirichlet).usable());
+      directed_information_rate(ten, ten, 1, CountEntropyOptions::Estimator::kJamesStein).usable());
 }
 
 TEST(DirectedInformation, ConstantSequencesCarryNone) {

@@ -7,11 +7,9 @@
 #include "fusion/dependence/bagged_lsmi.hpp"
 #include "fusion/dependence/prepared_dependence.hpp"
 #include "fusion/dependence/prepared_histogram.hpp"
-#include "tests/study/dependence/corrected_measures.hpp"
 #include "tests/study/dependence/directed_information.hpp"
 #include "tests/study/dependence/distance_correlation.hpp"
 #include "tests/study/dependence/paired_density_ratio.hpp"
-#include "tests/study/dependence/sample_entropy.hpp"
 
 namespace infuse::study {
 namespace {
@@ -29,10 +27,6 @@ const double kDistanceCorrelation =
     std::sqrt((kRho * std::asin(kRho) + std::sqrt(1 - kRho * kRho) - kRho * std::asin(kRho / 2) -
                std::sqrt(4 - kRho * kRho) + 1) /
               (1 + std::numbers::pi / 3 - std::numbers::sqrt3));
-const double kScalarEntropy = 0.5 * std::log(2 * std::numbers::pi * std::numbers::e);
-const double kJointEntropy = 2 * kScalarEntropy - kMutualInformation;
-const double kRenyiHalf =
-    std::log(2 * std::numbers::pi) + 0.5 * std::log(1 - kRho * kRho) + std::log(0.5) / (0.5 - 1);
 
 std::vector<float> row_as_floats(const SamplePairs& samples, Eigen::Index row) {
   std::vector<float> values(static_cast<size_t>(samples.cols()));
@@ -58,40 +52,6 @@ Estimator windowed(const std::string& key, const std::string& name, Measure whic
   const char* quantity = information ? "MI" : which == Measure::kChiSquared ? "χ²" : "SMI";
   return {key, name, quantity, truth,
           [=](const SamplePairs& s) { return measure(which, make_histogram(s, window)); }};
-}
-
-Estimator corrected(const std::string& key, const std::string& name, CountEntropyOptions options) {
-  return {key, name, "MI", kMutualInformation, [=](const SamplePairs& s) {
-            return measure(Measure::kMutualInformation, make_histogram(s, Window::kNone), options);
-          }};
-}
-
-Estimator dirichlet(const std::string& key, const std::string& name,
-                    double (*alpha)(std::span<const double>)) {
-  return {key, name, "MI", kMutualInformation, [=](const SamplePairs& s) {
-            const JointHistogram histogram = make_histogram(s, Window::kNone);
-            const CountEntropyOptions options{
-                .estimator = CountEntropyOptions::Estimator::kDirichlet,
-                .alpha = alpha(histogram.mass),
-                .shrinkage = {}};
-            return measure(Measure::kMutualInformation, histogram, options);
-          }};
-}
-
-Estimate spacing_entropy_of_x(const SamplePairs& samples, bool correct_bias) {
-  const Eigen::VectorXd x = samples.row(0);
-  return entropy_spacing({x.data(), static_cast<size_t>(x.size())},
-                         {.m = 0, .correct_bias = correct_bias});
-}
-
-Estimate information_by_neighbours(const SamplePairs& samples, int k) {
-  const Estimate x = entropy_nearest_neighbour(samples.row(0), k);
-  const Estimate y = entropy_nearest_neighbour(samples.row(1), k);
-  const Estimate xy = entropy_nearest_neighbour(samples, k);
-  for (const Estimate& h : {x, y, xy}) {
-    if (!h.usable()) return h;
-  }
-  return {x.value + y.value - xy.value, ""};
 }
 
 /// Directed information of the signs as labels: P(both positive) = ¼ + asin(ρ)/2π gives the truth.
@@ -152,42 +112,18 @@ Estimator paired(const std::string& key, const std::string& name, const char* qu
 }  // namespace
 
 std::vector<Estimator> make_estimators() {
-  using Entropy = CountEntropyOptions::Estimator;
-  const auto with_estimator = [](Entropy estimator, double alpha = 0.5) {
-    return CountEntropyOptions{.estimator = estimator, .alpha = alpha, .shrinkage = {}};
-  };
   return {
       windowed("mi-histogram", "histogram, no window", Measure::kMutualInformation, Window::kNone),
       windowed("mi-gaussian-window", "histogram, Gaussian window", Measure::kMutualInformation,
                Window::kGaussian),
       windowed("mi-spline-window", "histogram, B-spline window", Measure::kMutualInformation,
                Window::kBSpline),
-      corrected("mi-miller-madow", "Miller–Madow", with_estimator(Entropy::kMillerMadow)),
-      corrected("mi-james-stein", "James–Stein", with_estimator(Entropy::kJamesStein)),
-      corrected("mi-jeffreys", "Dirichlet, Jeffreys", with_estimator(Entropy::kDirichlet, 0.5)),
-      corrected("mi-laplace", "Dirichlet, Laplace", with_estimator(Entropy::kDirichlet, 1)),
-      dirichlet("mi-perks", "Dirichlet, Perks", perks_alpha),
-      dirichlet("mi-minimax", "Dirichlet, minimax", minimax_alpha),
-      corrected("mi-nemenman", "Dirichlet mixture (Nemenman)", with_estimator(Entropy::kNemenman)),
-      corrected("mi-chao-shen", "Chao–Shen", with_estimator(Entropy::kChaoShen)),
-      {"mi-neighbours-1", "nearest neighbours, k = 1", "MI", kMutualInformation,
-       [](const SamplePairs& s) { return information_by_neighbours(s, 1); }},
-      {"mi-neighbours-4", "nearest neighbours, k = 4", "MI", kMutualInformation,
-       [](const SamplePairs& s) { return information_by_neighbours(s, 4); }},
       windowed("smi-histogram", "histogram, no window", Measure::kSquaredLossMutualInformation,
                Window::kNone),
       windowed("smi-spline-window", "histogram, B-spline window",
                Measure::kSquaredLossMutualInformation, Window::kBSpline),
       windowed("chi2-spline-window", "histogram, B-spline window", Measure::kChiSquared,
                Window::kBSpline),
-      {"entropy-spacing-printed", "m-spacing as printed", "H(x)", kScalarEntropy,
-       [](const SamplePairs& s) { return spacing_entropy_of_x(s, false); }},
-      {"entropy-spacing", "m-spacing, bias corrected", "H(x)", kScalarEntropy,
-       [](const SamplePairs& s) { return spacing_entropy_of_x(s, true); }},
-      {"joint-entropy-neighbours", "nearest neighbour", "H(x, y)", kJointEntropy,
-       [](const SamplePairs& s) { return entropy_nearest_neighbour(s, 1); }},
-      {"joint-entropy-tree", "minimum spanning tree, α = ½", "Rényi H(x, y)", kRenyiHalf,
-       [](const SamplePairs& s) { return renyi_entropy_spanning_tree(s); }, 30},
       directed_information_of_signs(),
       fitted("smi-lsmi", "LSMI, I(2.8)", "SMI", kSquaredLossMi, FitMeasure::kSmi),
       fitted("smi-lsmi-plug-in", "LSMI, plug-in form", "SMI", kSquaredLossMi, FitMeasure::kSmi,

@@ -4,10 +4,11 @@
 #include <span>
 #include <vector>
 
-#include "fusion/registration/lanes.hpp"
-#include "fusion/registration/point_cloud.hpp"
+#include "drivers/measurement/sweep.hpp"
+#include "fusion/features/lanes.hpp"
+#include "fusion/geometry/project_points.hpp"
 
-namespace infuse::registration {
+namespace infuse::features {
 
 /// Nearest point of a cloud.
 struct Nearest {
@@ -49,9 +50,9 @@ class NeighbourSearch {
   /// are no larger than earlier ones.
   void build(const geometry::PointsView& points);
 
-  /// The same, and puts the points of the cloud into the order of the leaves, so that points that
-  /// are near each other stand together; without normals (0).
-  void build_and_sort(PointCloud& cloud);
+  /// The same, and puts the points into the order of the leaves, so that points that are near each
+  /// other stand together.
+  void build_and_sort(FieldVector<float>& x, FieldVector<float>& y, FieldVector<float>& z);
 
   /// Number of points in the tree.
   size_t size() const { return size_; }
@@ -63,6 +64,11 @@ class NeighbourSearch {
   /// The same for points that are near each other, which takes a fraction of the time; far apart
   /// they take many times as long.
   NearestOfEach nearest_of_each(const NearestQueries& queries, float margin) const;
+
+  /// Finds the `indices.size()` nearest points (at least 1) whose squared distance is below
+  /// `max_square` (m²), the nearest first, and their squared distances. Returns their number.
+  size_t nearest_points(const float* point, float max_square, std::span<int32_t> indices,
+                        std::span<float> squares) const;
 
   /// A node of the tree: plane between its two children.
   struct Split {
@@ -99,4 +105,4 @@ class NeighbourSearch {
   std::vector<Leaf, UninitializedAllocator<Leaf>> leaves_;    // its lowest row
 };
 
-}  // namespace infuse::registration
+}  // namespace infuse::features

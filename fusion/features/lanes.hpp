@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-namespace infuse::registration {
+namespace infuse::features {
 
 /// Numbers processed side by side, in GCC's vector types. There are always 16 floats or 8 doubles,
 /// whatever the processor's registers hold, so that sums across lanes are added in one order and
@@ -13,4 +13,4 @@ using Ints [[gnu::vector_size(64)]] = int32_t;
 using Flags [[gnu::vector_size(64)]] = int32_t;  ///< results of comparisons: -1 or 0
 using Doubles [[gnu::vector_size(64)]] = double;
 
-}  // namespace infuse::registration
+}  // namespace infuse::features

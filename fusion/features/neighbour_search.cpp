@@ -1,4 +1,4 @@
-#include "fusion/registration/neighbour_search.hpp"
+#include "fusion/features/neighbour_search.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -6,91 +6,12 @@
 #include <limits>
 
 #include "drivers/measurement/simd.hpp"
+#include "fusion/features/neighbour_visit.hpp"
 
-namespace infuse::registration {
+namespace infuse::features {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr size_t kMaxDepth = 28;
-
-/// Box around the points of a search.
-struct Box {
-  float low[3], high[3];
-};
-
-/// Squared distances of a leaf's points from a box.
-[[gnu::always_inline]] inline Floats square_distances(const NeighbourSearch::Leaf& leaf,
-                                                      const Box& box) {
-  Floats sum = {};
-  const Floats* at[3] = {&leaf.x, &leaf.y, &leaf.z};
-  for (int axis = 0; axis < 3; ++axis) {
-    const Floats below = box.low[axis] - *at[axis], above = *at[axis] - box.high[axis];
-    Floats outside = below > above ? below : above;
-    outside = outside > 0 ? outside : Floats{};
-    sum += outside * outside;
-  }
-  return sum;
-}
-
-/// Part of the tree that is still to be visited: its node, and the distance of its cell from the
-/// box, squared and by axis.
-struct Pending {
-  size_t node;
-  float square_distance;
-  float offset[3];
-};
-
-/// Visits the leaves that may hold a point nearer to the box than `found.bound()`, the nearest
-/// first.
-template <class Found>
-[[gnu::always_inline]] inline void visit(const NeighbourSearch::Split* splits, size_t inner_nodes,
-                                         const NeighbourSearch::Leaf* leaves, const Box& box,
-                                         Found& found) {
-  Pending stack[kMaxDepth];
-  size_t pending = 0;
-  Pending at{0, 0, {0, 0, 0}};
-  for (;;) {
-    while (at.node < inner_nodes) {
-      const NeighbourSearch::Split& split = splits[at.node];
-      const float below = box.low[split.axis] - split.value;
-      const float above = split.value - box.high[split.axis];
-      const bool right = below > above;  // more of the box is right of the plane
-      const size_t left = 2 * at.node + 1;
-      Pending& far = stack[pending];
-      far = at;
-      far.node = left + (right ? 0 : 1);
-      const float side = right ? below : above;
-      if (side > 0) {  // all of it
-        const float old = at.offset[split.axis];
-        far.offset[split.axis] = side;
-        far.square_distance += side * side - old * old;
-      }
-      if (far.square_distance < found.bound()) ++pending;
-      at.node = left + (right ? 1 : 0);
-    }
-    found.add(leaves[at.node - inner_nodes]);
-    do {
-      if (pending == 0) return;
-      at = stack[--pending];
-    } while (!(at.square_distance < found.bound()));
-  }
-}
-
-/// Smallest of 16 numbers.
-[[gnu::always_inline]] inline float minimum(const Floats& v) {
-  Floats m = v;
-  Floats other =
-      __builtin_shufflevector(m, m, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7);
-  m = m < other ? m : other;
-  other = __builtin_shufflevector(m, m, 4, 5, 6, 7, 0, 1, 2, 3, 12, 13, 14, 15, 8, 9, 10, 11);
-  m = m < other ? m : other;
-  const float a = m[0] < m[1] ? m[0] : m[1];
-  const float b = m[2] < m[3] ? m[2] : m[3];
-  return a < b ? a : b;
-}
-
-/// Largest of 16 numbers.
-[[gnu::always_inline]] inline float maximum(const Floats& v) { return -minimum(-v); }
 
 /// Nearest point of one, and the distance within which there is no other.
 struct FoundNearest {
@@ -167,56 +88,37 @@ INFUSE_SIMD_CLONES void find_nearest_of_each(const NeighbourSearch::Split* split
   visit(splits, inner_nodes, leaves, box, found);
 }
 
-/// The squared distances of the nearest points of each of 16 points, sorted, and the points among
-/// which they are.
-struct FoundNeighbours {
-  const Floats* queries;  // x, y, z
-  const Box& box;
-  int wanted;
-  std::vector<NeighbourSearch::Point>& candidates;
-  Floats squares[NeighbourSearch::kMaxNeighbours];
-  float limit = kInfinity;
+/// The nearest points of one, sorted.
+struct FoundPoints {
+  const float* point;
+  std::span<int32_t> indices;
+  std::span<float> squares;
+  float limit;  // squared
+  size_t count = 0;
 
   [[gnu::always_inline]] float bound() const { return limit; }
   [[gnu::always_inline]] void add(const NeighbourSearch::Leaf& leaf) {
-    const Floats from_box = square_distances(leaf, box);
+    const Floats dx = leaf.x - point[0], dy = leaf.y - point[1], dz = leaf.z - point[2];
+    const Floats square = dx * dx + dy * dy + dz * dz;
+    if (!(minimum(square) < limit)) return;
     for (int i = 0; i < kLanes; ++i) {
-      if (!(from_box[i] < limit)) continue;
-      candidates.push_back({leaf.x[i], leaf.y[i], leaf.z[i]});
-      const Floats dx = leaf.x[i] - queries[0], dy = leaf.y[i] - queries[1],
-                   dz = leaf.z[i] - queries[2];
-      Floats square = dx * dx + dy * dy + dz * dz;
-      for (int k = 0; k < wanted; ++k) {
-        const Floats former = squares[k];
-        const Flags nearer = square < former;
-        squares[k] = nearer ? square : former;
-        square = nearer ? former : square;
+      if (!(square[i] < limit)) continue;
+      size_t at = count < indices.size() ? count++ : count - 1;
+      for (; at > 0 && squares[at - 1] > square[i]; --at) {
+        squares[at] = squares[at - 1];
+        indices[at] = indices[at - 1];
       }
+      squares[at] = square[i];
+      indices[at] = leaf.index[i];
+      if (count == indices.size()) limit = squares.back();
     }
-    limit = maximum(squares[wanted - 1]);
   }
 };
 
-INFUSE_SIMD_CLONES void sum_neighbours(const NeighbourSearch::Split* splits, size_t inner_nodes,
-                                       const NeighbourSearch::Leaf* leaves, FoundNeighbours& found,
-                                       Neighbourhoods& out) {
-  visit(splits, inner_nodes, leaves, found.box, found);
-  const Floats* queries = found.queries;
-  const Floats last = found.squares[found.wanted - 1];
-  Neighbourhoods sums = {};
-  for (const NeighbourSearch::Point& point : found.candidates) {
-    Floats dx = point.x - queries[0], dy = point.y - queries[1], dz = point.z - queries[2];
-    const Flags near = dx * dx + dy * dy + dz * dz <= last;
-    const Floats zero = {}, one = zero + 1;
-    dx = near ? dx : zero;
-    dy = near ? dy : zero;
-    dz = near ? dz : zero;
-    sums.count += near ? one : zero;
-    sums.sum[0] += dx, sums.sum[1] += dy, sums.sum[2] += dz;
-    sums.cross[0] += dx * dx, sums.cross[1] += dx * dy, sums.cross[2] += dx * dz;
-    sums.cross[3] += dy * dy, sums.cross[4] += dy * dz, sums.cross[5] += dz * dz;
-  }
-  out = sums;
+INFUSE_SIMD_CLONES void find_points(const NeighbourSearch::Split* splits, size_t inner_nodes,
+                                    const NeighbourSearch::Leaf* leaves, const Box& box,
+                                    FoundPoints& found) {
+  visit(splits, inner_nodes, leaves, box, found);
 }
 
 }  // namespace
@@ -237,12 +139,12 @@ void NeighbourSearch::build(const geometry::PointsView& points) {
   build_node(0, 0, size_);
 }
 
-void NeighbourSearch::build_and_sort(PointCloud& cloud) {
-  build(cloud.points());
-  cloud.resize(size_);
+void NeighbourSearch::build_and_sort(FieldVector<float>& x, FieldVector<float>& y,
+                                     FieldVector<float>& z) {
+  build({x, y, z});
+  for (FieldVector<float>* field : {&x, &y, &z}) field->resize(size_);
   for (size_t i = 0; i < size_; ++i) {
-    cloud.x[i] = entries_[i].at[0], cloud.y[i] = entries_[i].at[1], cloud.z[i] = entries_[i].at[2];
-    cloud.nx[i] = cloud.ny[i] = cloud.nz[i] = 0;
+    x[i] = entries_[i].at[0], y[i] = entries_[i].at[1], z[i] = entries_[i].at[2];
   }
   int32_t next = 0;
   for (Leaf& leaf : leaves_) {
@@ -302,6 +204,15 @@ Nearest NeighbourSearch::nearest(const float* point, float max_distance, float m
   return {found.index, found.best, std::sqrt(found.limit)};
 }
 
+size_t NeighbourSearch::nearest_points(const float* point, float max_square,
+                                       std::span<int32_t> indices, std::span<float> squares) const {
+  if (size_ == 0) return 0;
+  const Box box{{point[0], point[1], point[2]}, {point[0], point[1], point[2]}};
+  FoundPoints found{point, indices, squares, max_square};
+  find_points(splits_.data(), splits_.size(), leaves_.data(), box, found);
+  return found.count;
+}
+
 NearestOfEach NeighbourSearch::nearest_of_each(const NearestQueries& queries, float margin) const {
   NearestOfEach out{Flags{} - 1, {}, {}};
   if (size_ == 0) return out;
@@ -326,31 +237,4 @@ NearestOfEach NeighbourSearch::nearest_of_each(const NearestQueries& queries, fl
   return out;
 }
 
-Neighbourhoods NeighbourSearch::neighbourhoods(const Leaf& leaf, int neighbours,
-                                               std::vector<Point>& memory) const {
-  Neighbourhoods out = {};
-  if (leaf.index[0] < 0) return out;
-  memory.clear();
-  memory.reserve(size_);
-  // Lanes without a point are the first one's copies.
-  Floats queries[3] = {leaf.x, leaf.y, leaf.z};
-  Box box;
-  for (int axis = 0; axis < 3; ++axis) {
-    Floats& values = queries[axis];
-    box.low[axis] = box.high[axis] = values[0];
-    for (int i = 1; i < kLanes; ++i) {
-      if (leaf.index[i] < 0) values[i] = values[0];
-      box.low[axis] = std::min(box.low[axis], values[i]);
-      box.high[axis] = std::max(box.high[axis], values[i]);
-    }
-  }
-  FoundNeighbours found{.queries = queries, .box = box, .wanted = neighbours, .candidates = memory};
-  for (int k = 0; k < neighbours; ++k) found.squares[k] = Floats{} + kInfinity;
-  sum_neighbours(splits_.data(), splits_.size(), leaves_.data(), found, out);
-  for (int i = 0; i < kLanes; ++i) {
-    if (leaf.index[i] < 0) out.count[i] = 0;
-  }
-  return out;
-}
-
-}  // namespace infuse::registration
+}  // namespace infuse::features
