@@ -227,8 +227,8 @@ void false_alarms(benchmark::State& state, Method method) {
     state.counters["hours_between_alarms_95"] =
         tail.hours_between_alarms(limit, hours, tail.upper_excess_scale());
     for (size_t nats = 1; nats < 8; ++nats) {
-      std::fprintf(stderr, "%zu nats or more: %.4f of evaluations
-", nats, tail.fraction_above(nats));
+      std::fprintf(stderr, "%zu nats or more: %.4f of evaluations\n", nats,
+                   tail.fraction_above(nats));
     }
   }
   state.SetLabel("drive hours per alarm");
@@ -247,10 +247,8 @@ void slow_drift(benchmark::State& state) {
       for (const double rate : {0.05, -0.05}) {
         const DriftAngles detected = detect_slow_drift(drives, axis, rate);
         std::fprintf(stderr,
-                     "axis %d, %+.2f degrees a minute: suspected at %.3f, confirmed at %.3f
-                     ", axis,
-                     rate,
-                     detected.suspected_deg, detected.confirmed_deg);
+                     "axis %d, %+.2f degrees a minute: suspected at %.3f, confirmed at %.3f\n",
+                     axis, rate, detected.suspected_deg, detected.confirmed_deg);
         suspected = std::max(suspected, detected.suspected_deg);
         confirmed = std::max(confirmed, detected.confirmed_deg);
       }
@@ -417,7 +415,7 @@ int register_benchmarks() {
         ->Iterations(1)
         ->Unit(benchmark::kSecond);
   };
-  for (const auto& [suffix, who] : methods) {
+  for (const auto& [suffix, method] : methods) {
     for (const FaultKind& kind : kinds) {
       // The grid of 728 poses is slow: use a quarter of the faults.
       const size_t faults = method == Method::kLevinsonThrun ? kind.faults / 4 : kind.faults;

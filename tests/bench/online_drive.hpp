@@ -110,7 +110,7 @@ bool for_each_pair(const std::filesystem::path& folder, const Callback& callback
       const auto after = trajectory.at(image.stamp + Duration(50'000'000));
       if (before.usable() && after.usable()) {
         const geometry::Vector6 twist =
-            geometry::log(before.T_map_vehicle.inverse() * after.T_map_vehicle) / 0.1;
+            geometry::log(before.T_odom_vehicle.inverse() * after.T_odom_vehicle) / 0.1;
         pair.angular_rate = R_camera_vehicle * twist.head<3>();
         pair.velocity = R_camera_vehicle * twist.tail<3>();
       }
@@ -129,7 +129,7 @@ bool for_each_pair(const std::filesystem::path& folder, const Callback& callback
     if (const auto* datagram = std::get_if<recording::DatagramEvent>(&event.content)) {
       intake.add_datagram(datagram->datagram, on_sweep);
     } else if (const auto* sweep = std::get_if<recording::SweepEvent>(&event.content)) {
-      intake.add_datagram(*sweep->sweep, on_sweep);
+      intake.add_sweep(*sweep->sweep, on_sweep);
     } else if (const auto* image = std::get_if<recording::ImageEvent>(&event.content)) {
       if (image->camera == 0) images.push_back({*image->path, event.stamp});
     }
