@@ -68,16 +68,8 @@ void CalibrationGuard::fill_report(const monitoring::MonitorReport& monitor_repo
   report_.T_camera_lidar = supervisor_.current();
   report_.evaluations = evaluations_;
   report_.scenes = monitor_.scenes().size();
-  if (evaluations_ > 0) {
-    report_.evidence = {monitor_report.axis, monitor_report.evidence,
-                        settings_.monitor.detector.confirmation_threshold()};
-  }
-  report_.offset = monitor_report.offset;
-  report_.offset_sigma = monitor_report.sigma;
-  report_.delay = monitor_report.delay;
-  report_.delay_ambiguous_axis = monitor_report.delay_ambiguous_axis;
+  report_.verdict = monitor_report.verdict;
   if (monitor_report.evaluated) report_.dependence = monitor_report.dependence;
-  report_.fault = monitor_report.fault;
   if (last_result_) {
     report_.estimate = {last_result_->T_camera_lidar, last_result_->covariance, last_result_->moved,
                         last_result_->scenes, last_result_->reason};

@@ -1,29 +1,35 @@
 #include "daemon/health/conditions.hpp"
 
-namespace infuse::daemon {
+#include <algorithm>
 
-Conditions::Conditions(std::initializer_list<ConditionDefinition> definitions) {
-  for (const ConditionDefinition& definition : definitions) {
-    conditions_.push_back(
-        {definition.id, definition.level, {definition.raise_after, definition.clear_after}});
-  }
+namespace infuse::daemon {
+namespace {
+
+Hysteresis hysteresis_of(Delays delays, const HealthOptions& options) {
+  return {delays == Delays::kBoth ? options.raise_after : Duration::zero(),
+          delays == Delays::kNone ? Duration::zero() : options.clear_after};
 }
 
-void Conditions::update(std::initializer_list<CheckResult> results, Stamp now) {
-  transitions_.clear();
-  findings_.clear();
-  const CheckResult* result = results.begin();
-  for (Condition& condition : conditions_) {
-    const bool was = condition.state.raised();
-    if (result->holds) {
-      condition.what = result->what;
-      condition.advice = result->advice;
-    }
-    const bool is = condition.state.update(result->holds, now);
-    if (was != is) transitions_.push_back({is, condition.finding()});
-    if (is) findings_.push_back(condition.finding());
-    ++result;
-  }
+}  // namespace
+
+Finding make_finding(const AlertDescription& alert, Stamp since, const Problem& problem) {
+  return {alert.id, alert.level, since, problem.what, problem.advice};
+}
+
+Level worst_level(const std::vector<Finding>& findings) {
+  Level worst = Level::kOk;
+  for (const Finding& finding : findings) worst = std::max(worst, finding.level);
+  return worst;
+}
+
+Condition::Condition(const AlertDescription& alert, const HealthOptions& options)
+    : alert_(&alert), state_(hysteresis_of(alert.delays, options)) {}
+
+bool Condition::update(std::optional<Problem> problem, Stamp now) {
+  const bool was = state_.raised();
+  const bool holds = problem.has_value();
+  if (holds) problem_ = *std::move(problem);
+  return state_.update(holds, now) != was;
 }
 
 }  // namespace infuse::daemon

@@ -1,10 +1,11 @@
 #pragma once
 
-#include <cstddef>
-#include <initializer_list>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "daemon/health/alert.hpp"
+#include "daemon/health/health_options.hpp"
 #include "daemon/health/hysteresis.hpp"
 #include "daemon/health/level.hpp"
 #include "drivers/measurement/stamp.hpp"
@@ -20,57 +21,34 @@ struct Finding {
   std::string advice;  ///< remedy
 };
 
+/// Returns the finding of an alert that is raised since a time.
+Finding make_finding(const AlertDescription& alert, Stamp since, const Problem& problem);
+
+/// Returns the level of the worst finding; kOk without one.
+Level worst_level(const std::vector<Finding>& findings);
+
 /// A finding that was raised or cleared at one tick.
 struct Transition {
   bool raised = false;
   Finding finding;
 };
 
-/// Result of one check at one tick.
-struct CheckResult {
-  bool holds = false;
-  std::string what = {};
-  std::string advice = {};
-};
-
-/// Definition of a condition: its id, level and hysteresis.
-struct ConditionDefinition {
-  const char* id;
-  Level level;
-  Duration raise_after;
-  Duration clear_after;
-};
-
-/// Conditions of one sensor or task: turns check results into findings and transitions.
-class Conditions {
+/// One alert over time: its hysteresis, and the latest problem.
+class Condition {
  public:
-  /// `definitions` are ordered by level, the worst first.
-  Conditions(std::initializer_list<ConditionDefinition> definitions);
+  /// `alert` outlives it.
+  Condition(const AlertDescription& alert, const HealthOptions& options);
 
-  /// Updates each condition from its result; `results` is in the order of the definitions.
-  void update(std::initializer_list<CheckResult> results, Stamp now);
+  /// Updates it from the result of its check. Returns true if it was raised or cleared.
+  bool update(std::optional<Problem> problem, Stamp now);
 
-  /// Findings raised at present, in the order of the definitions.
-  const std::vector<Finding>& findings() const { return findings_; }
-  /// Changes made by the last `update`.
-  const std::vector<Transition>& transitions() const { return transitions_; }
-  /// Level of the worst finding; kOk without one.
-  Level level() const { return findings_.empty() ? Level::kOk : findings_.front().level; }
+  bool raised() const { return state_.raised(); }
+  Finding finding() const { return make_finding(*alert_, state_.raised_since(), problem_); }
 
  private:
-  struct Condition {
-    const char* id;
-    Level level;
-    Hysteresis state;
-    std::string what = {};
-    std::string advice = {};
-
-    Finding finding() const { return {id, level, state.raised_since(), what, advice}; }
-  };
-
-  std::vector<Condition> conditions_;
-  std::vector<Finding> findings_;
-  std::vector<Transition> transitions_;
+  const AlertDescription* alert_;
+  Hysteresis state_;
+  Problem problem_;  // the latest
 };
 
 }  // namespace infuse::daemon

@@ -5,8 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "daemon/health/conditions.hpp"
+#include "daemon/health/alert_checks.hpp"
 #include "daemon/health/health_options.hpp"
+#include "daemon/health/lidar_alerts.hpp"
 #include "daemon/health/lidar_counters.hpp"
 #include "daemon/health/snapshot_window.hpp"
 #include "drivers/measurement/stamp.hpp"
@@ -43,18 +44,7 @@ class LidarHealth {
   using Window = SnapshotWindow<LidarCounters>;
 
   void restart_at(Stamp now);
-  CheckResult check_silence(Stamp now, const LidarCounters& counters);
-  CheckResult check_decoding(const LidarCounters& now, const LidarCounters& before) const;
-  CheckResult check_alternation(const LidarCounters& now) const;
-  CheckResult check_rival(const LidarCounters& now) const;
-  CheckResult check_sweeps(Stamp now, const LidarCounters& now_counters);
-  CheckResult check_loss(const LidarCounters& now, const LidarCounters& before, double min_loss,
-                         double max_loss) const;
-  CheckResult check_sender(const LidarCounters& now, const LidarCounters& before) const;
-  CheckResult check_sender_change(const LidarCounters& now, const LidarCounters& before) const;
-  CheckResult check_model(const LidarCounters& now, const LidarCounters& before) const;
-  CheckResult check_overload(const LidarCounters& now, const LidarCounters& before) const;
-  CheckResult check_clock(Stamp now, const LidarCounters& counters);
+  void note_progress(Stamp now, const LidarCounters& counters);
   void measure_rates(Stamp now, const Window::Snapshot& oldest);
 
   std::string endpoint_;
@@ -66,7 +56,7 @@ class LidarHealth {
   uint64_t packets_seen_ = 0;
   uint64_t sweeps_seen_ = 0;
   Window window_;
-  Conditions conditions_;
+  AlertChecks<LidarTick> checks_;
   LidarStatus status_;
 };
 

@@ -3,19 +3,23 @@
 #include <spdlog/fmt/fmt.h>
 
 namespace infuse::daemon {
+namespace {
 
-MapHealth::MapHealth(const HealthOptions& options)
-    : conditions_{{"not_on_map", Level::kWarn, options.raise_after, options.clear_after}} {}
+constexpr Alert<MapStatus> kMapAlerts[] = {
+    {{"not_on_map", Level::kWarn, Delays::kBoth,
+      "The vehicle is not found on the map of keyframes. Drive on where it was driven; check "
+      "directory in [map], and the lidar's mount in rig.toml."},
+     [](const MapStatus& status) -> std::optional<Problem> {
+       if (status.state != places::LocaliserState::kLost) return {};
+       return Problem{
+           fmt::format("the vehicle is not found on the map: {}", status.reason),
+           "drive on, where the map has been driven; if it stays so, check that [map] names the "
+           "map of this place and that the lidar is mounted as rig.toml says"};
+     }},
+};
 
-const Conditions& MapHealth::update(Stamp now, const MapStatus& status) {
-  CheckResult lost;
-  if (status.state == places::LocaliserState::kLost) {
-    lost = {true, fmt::format("the vehicle is not found on the map: {}", status.reason),
-            "drive on, where the map has been driven; if it stays so, check that [map] names the "
-            "map of this place and that the lidar is mounted as rig.toml says"};
-  }
-  conditions_.update({lost}, now);
-  return conditions_;
-}
+}  // namespace
+
+std::span<const Alert<MapStatus>> map_alerts() { return kMapAlerts; }
 
 }  // namespace infuse::daemon

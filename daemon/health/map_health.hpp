@@ -1,9 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
-#include "daemon/health/conditions.hpp"
-#include "daemon/health/health_options.hpp"
+#include "daemon/health/alert.hpp"
 #include "drivers/measurement/stamp.hpp"
 #include "fusion/places/localiser.hpp"
 
@@ -20,16 +20,7 @@ struct MapStatus {
   uint64_t dropped = 0;              ///< sweeps that came while the background thread was behind
 };
 
-/// Checks the pose on the map. Pure.
-class MapHealth {
- public:
-  explicit MapHealth(const HealthOptions& options);
-
-  /// Updates the findings; called about once a second. The result is valid until the next call.
-  const Conditions& update(Stamp now, const MapStatus& status);
-
- private:
-  Conditions conditions_;
-};
+/// The alerts of the pose on the map.
+std::span<const Alert<MapStatus>> map_alerts();
 
 }  // namespace infuse::daemon

@@ -25,37 +25,44 @@ std::string contradicting(const OdometrySourceStatuses& before, const OdometrySo
   return names;
 }
 
+constexpr Alert<OdometryTick> kOdometryAlerts[] = {
+    {{"untrusted", Level::kError, Delays::kBoth,
+      "Not usable, with the reason. Add or check wheel speeds and yaw rate on the bus, an inertial "
+      "unit, a GNSS receiver with speed and course, or use_lidar."},
+     [](const OdometryTick& tick) -> std::optional<Problem> {
+       if (tick.status.usable()) return {};
+       return Problem{fmt::format("odometry not usable: {}", tick.status.reason),
+                      "add or check wheel speeds and yaw rate on the bus, an inertial unit, a GNSS "
+                      "receiver with speed and course, or use_lidar in [odometry]"};
+     }},
+    {{"contradiction", Level::kWarn, Delays::kBoth,
+      "Most samples of a source are rejected. Wheels: slip, or a tyre changed; GNSS: reflections; "
+      "lidar: moving objects."},
+     [](const OdometryTick& tick) -> std::optional<Problem> {
+       if (tick.contradicting.empty()) return {};
+       return Problem{fmt::format("{} contradicts the motion carried by {}", tick.contradicting,
+                                  carriers(tick.status.sources)),
+                      "wheels: slip, or a tyre changed; GNSS: reflections; lidar: moving objects"};
+     }},
+    {{"not_deskewed", Level::kWarn, Delays::kBoth,
+      "Sweeps were passed on as measured. See deskew_reason in the SWEEP reports."},
+     [](const OdometryTick& tick) -> std::optional<Problem> {
+       if (tick.not_deskewed == 0) return {};
+       return Problem{fmt::format("{} sweeps not deskewed in the last second", tick.not_deskewed),
+                      "see deskew_reason in the SWEEP reports"};
+     }},
+};
+
 }  // namespace
 
-OdometryHealth::OdometryHealth(const HealthOptions& options)
-    : conditions_{{"untrusted", Level::kError, options.raise_after, options.clear_after},
-                  {"contradiction", Level::kWarn, options.raise_after, options.clear_after},
-                  {"not_deskewed", Level::kWarn, options.raise_after, options.clear_after}} {}
+std::span<const Alert<OdometryTick>> odometry_alerts() { return kOdometryAlerts; }
 
-const Conditions& OdometryHealth::update(Stamp now, const OdometryStatus& status) {
-  const uint64_t not_deskewed = status.not_deskewed - not_deskewed_;
-  not_deskewed_ = status.not_deskewed;
+const AlertChecks<OdometryTick>& OdometryHealth::update(Stamp now, const OdometryStatus& status) {
   const std::string names = contradicting(sources_, status.sources);
+  const uint64_t not_deskewed = status.not_deskewed - not_deskewed_;
   sources_ = status.sources;
-  CheckResult untrusted, contradiction, not_deskewed_check;
-  if (!status.usable()) {
-    untrusted = {true, fmt::format("odometry not usable: {}", status.reason),
-                 "add or check wheel speeds and yaw rate on the bus, an inertial unit, a GNSS "
-                 "receiver with speed and course, or use_lidar in [odometry]"};
-  }
-  if (!names.empty()) {
-    contradiction = {
-        true,
-        fmt::format("{} contradicts the motion carried by {}", names, carriers(status.sources)),
-        "wheels: slip, or a tyre changed; GNSS: reflections; lidar: moving objects"};
-  }
-  if (not_deskewed > 0) {
-    not_deskewed_check = {true,
-                          fmt::format("{} sweeps not deskewed in the last second", not_deskewed),
-                          "see deskew_reason in the SWEEP reports"};
-  }
-  conditions_.update({untrusted, contradiction, not_deskewed_check}, now);
-  return conditions_;
+  not_deskewed_ = status.not_deskewed;
+  return checks_.update(now, {status, names, not_deskewed});
 }
 
 }  // namespace infuse::daemon

@@ -2,8 +2,10 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
+#include <string>
 
-#include "daemon/health/conditions.hpp"
+#include "daemon/health/alert_checks.hpp"
 #include "daemon/health/health_options.hpp"
 #include "drivers/measurement/stamp.hpp"
 #include "fusion/motion/odometry_sources.hpp"
@@ -43,18 +45,28 @@ struct OdometryStatus {
   bool usable() const { return *reason == '\0'; }
 };
 
+/// What the alerts of odometry are checked by, at one update.
+struct OdometryTick {
+  const OdometryStatus& status;
+  const std::string& contradicting;  ///< names of the sources of which most samples were rejected
+  uint64_t not_deskewed;             ///< sweeps passed on as measured since the last update
+};
+
+/// The alerts of odometry, the worst first.
+std::span<const Alert<OdometryTick>> odometry_alerts();
+
 /// Checks odometry. Pure.
 class OdometryHealth {
  public:
-  explicit OdometryHealth(const HealthOptions& options);
+  explicit OdometryHealth(const HealthOptions& options) : checks_(odometry_alerts(), options) {}
 
   /// Updates the findings; called about once a second. The result is valid until the next call.
-  const Conditions& update(Stamp now, const OdometryStatus& status);
+  const AlertChecks<OdometryTick>& update(Stamp now, const OdometryStatus& status);
 
  private:
   uint64_t not_deskewed_ = 0;
   OdometrySourceStatuses sources_;  // at the last update
-  Conditions conditions_;
+  AlertChecks<OdometryTick> checks_;
 };
 
 }  // namespace infuse::daemon

@@ -5,26 +5,35 @@
 #include <algorithm>
 
 namespace infuse::daemon {
+namespace {
 
-RigHealth::RigHealth()
-    : conditions_{{"missing_sensors", Level::kError, Duration::zero(), Duration::zero()},
-                  {"no_sensors", Level::kWarn, Duration::zero(), Duration::zero()}} {}
+constexpr const char* kRigAdvice =
+    "check the configuration and its drop-ins with infused --check-config";
 
-const Conditions& RigHealth::update(Stamp now, const std::vector<std::string>& names,
-                                    const HealthOptions& options) {
-  std::string missing;
-  for (const std::string& expected : options.expected_sensors) {
-    if (std::find(names.begin(), names.end(), expected) != names.end()) continue;
-    missing += (missing.empty() ? "" : ", ") + expected;
-  }
-  const char* advice = "check the configuration and its drop-ins with infused --check-config";
-  CheckResult without, none;
-  if (!missing.empty()) {
-    without = {true, fmt::format("expected but not configured: {}", missing), advice};
-  }
-  if (names.empty()) none = {true, "no sensor is configured", advice};
-  conditions_.update({without, none}, now);
-  return conditions_;
-}
+constexpr Alert<RigStatus> kRigAlerts[] = {
+    {{"missing_sensors", Level::kError, Delays::kNone,
+      "One of expected_sensors is not configured. Check the configuration and its drop-ins with "
+      "`infused --check-config`."},
+     [](const RigStatus& rig) -> std::optional<Problem> {
+       std::string missing;
+       for (const std::string& expected : rig.expected) {
+         if (std::find(rig.names.begin(), rig.names.end(), expected) != rig.names.end()) continue;
+         missing += (missing.empty() ? "" : ", ") + expected;
+       }
+       if (missing.empty()) return {};
+       return Problem{fmt::format("expected but not configured: {}", missing), kRigAdvice};
+     }},
+    {{"no_sensors", Level::kWarn, Delays::kNone,
+      "No sensor is configured. Check the configuration and its drop-ins with `infused "
+      "--check-config`."},
+     [](const RigStatus& rig) -> std::optional<Problem> {
+       if (!rig.names.empty()) return {};
+       return Problem{"no sensor is configured", kRigAdvice};
+     }},
+};
+
+}  // namespace
+
+std::span<const Alert<RigStatus>> rig_alerts() { return kRigAlerts; }
 
 }  // namespace infuse::daemon

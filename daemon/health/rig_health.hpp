@@ -1,26 +1,21 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
-#include "daemon/health/conditions.hpp"
-#include "daemon/health/health_options.hpp"
+#include "daemon/health/alert.hpp"
 
 namespace infuse::daemon {
 
-/// Checks that sensors are configured at all, and the expected ones among them. Without it, a
-/// daemon that has lost a part of its configuration would look healthy. Pure.
-class RigHealth {
- public:
-  RigHealth();
-
-  /// Updates the findings; `names` are those of the configured devices. Called about once a second.
-  /// The result is valid until the next call.
-  const Conditions& update(Stamp now, const std::vector<std::string>& names,
-                           const HealthOptions& options);
-
- private:
-  Conditions conditions_;
+/// What is configured, and what must be.
+struct RigStatus {
+  const std::vector<std::string>& names;     ///< of the configured devices
+  const std::vector<std::string>& expected;  ///< `HealthOptions::expected_sensors`
 };
+
+/// The alerts about the configured devices. Without them, a daemon that has lost a part of its
+/// configuration would look healthy.
+std::span<const Alert<RigStatus>> rig_alerts();
 
 }  // namespace infuse::daemon

@@ -6,8 +6,6 @@
 #include <cstdint>
 #include <string_view>
 
-#include "daemon/health/conditions.hpp"
-
 namespace infuse::daemon {
 
 /// State of the interface or device of a live sensor. Plain data, copied between threads. Default
@@ -30,14 +28,5 @@ struct SourceState {
     std::copy_n(text.begin(), std::min(text.size(), problem.size() - 1), problem.begin());
   }
 };
-
-/// Check of the condition "unavailable": the source is not open.
-CheckResult check_availability(const SourceState& source);
-/// Check of the condition "bus_off".
-CheckResult check_bus_off(const SourceState& source);
-/// Check of the condition "bus_errors".
-CheckResult check_bus_state(const SourceState& source);
-/// Check of the condition "receive_buffer": the kernel granted less than requested.
-CheckResult check_receive_buffer(const SourceState& source);
 
 }  // namespace infuse::daemon

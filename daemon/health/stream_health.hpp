@@ -3,9 +3,10 @@
 #include <string>
 #include <vector>
 
-#include "daemon/health/conditions.hpp"
+#include "daemon/health/alert_checks.hpp"
 #include "daemon/health/health_options.hpp"
 #include "daemon/health/snapshot_window.hpp"
+#include "daemon/health/stream_alerts.hpp"
 #include "daemon/health/stream_counters.hpp"
 
 namespace infuse::daemon {
@@ -34,19 +35,13 @@ class StreamHealth {
  private:
   using Window = SnapshotWindow<StreamCounters>;
 
-  CheckResult check_silence(Stamp now, const StreamCounters& counters);
-  CheckResult check_readability(const StreamCounters& now, const StreamCounters& before) const;
-  CheckResult check_use(const StreamCounters& now, const StreamCounters& before) const;
-  CheckResult check_loss(const StreamCounters& now, const StreamCounters& before) const;
-  CheckResult check_order(const StreamCounters& now, const StreamCounters& before) const;
-
   std::string endpoint_;
   HealthOptions options_;
   Stamp last_received_;  // the start, while there is none
   Stamp previous_tick_;
   uint64_t received_ = 0;
   Window window_;
-  Conditions conditions_;
+  AlertChecks<StreamTick> checks_;
   StreamStatus status_;
 };
 

@@ -3,29 +3,40 @@
 #include <spdlog/fmt/fmt.h>
 
 namespace infuse::daemon {
+namespace {
 
-StreetMapHealth::StreetMapHealth(const HealthOptions& options)
-    : conditions_{{"lost", Level::kError, options.raise_after, options.clear_after},
-                  {"map_mismatch", Level::kWarn, options.raise_after, options.clear_after}} {}
+using StreetMapProblem = std::optional<Problem>;
 
-const Conditions& StreetMapHealth::update(Stamp now, const StreetMapStatus& status) {
-  CheckResult lost, mismatch;
-  const std::string place =
-      fmt::format("near {:.0f} m east, {:.0f} m north of the map origin", status.x, status.y);
-  if (status.state == streetmap::TrackState::kLost) {
-    const std::string drive_on =
-        status.hypotheses > 0 ? "drive on: all streets are searched, and turns decide; or " : "";
-    lost = {true, fmt::format("position on the street map lost {}: {}", place, status.reason),
-            drive_on +
-                "set an initial pose in [streetmap], or connect a GNSS receiver; if one is "
-                "connected, check its antenna, and whether the map is that of this place"};
-  }
-  if (status.mismatch) {
-    mismatch = {true, fmt::format("observations do not match the street map {}", place),
-                "check that the map is up to date; rebuild it with infuse streetmap"};
-  }
-  conditions_.update({lost, mismatch}, now);
-  return conditions_;
+std::string place_text(const StreetMapStatus& status) {
+  return fmt::format("near {:.0f} m east, {:.0f} m north of the map origin", status.x, status.y);
 }
+
+constexpr Alert<StreetMapStatus> kStreetMapAlerts[] = {
+    {{"lost", Level::kError, Delays::kBoth,
+      "The position on the street map is lost. Drive on, with turns; or set an initial pose, or "
+      "check the GNSS receiver's antenna and that the map is of this place."},
+     [](const StreetMapStatus& status) -> StreetMapProblem {
+       if (status.state != streetmap::TrackState::kLost) return {};
+       const std::string drive_on =
+           status.hypotheses > 0 ? "drive on: all streets are searched, and turns decide; or " : "";
+       return Problem{
+           fmt::format("position on the street map lost {}: {}", place_text(status), status.reason),
+           drive_on +
+               "set an initial pose in [streetmap], or connect a GNSS receiver; if one is "
+               "connected, check its antenna, and whether the map is that of this place"};
+     }},
+    {{"map_mismatch", Level::kWarn, Delays::kBoth,
+      "What the sensors see does not match the map here. Check that it is up to date; make it "
+      "again with `infuse streetmap`."},
+     [](const StreetMapStatus& status) -> StreetMapProblem {
+       if (!status.mismatch) return {};
+       return Problem{"observations do not match the street map " + place_text(status),
+                      "check that the map is up to date; rebuild it with infuse streetmap"};
+     }},
+};
+
+}  // namespace
+
+std::span<const Alert<StreetMapStatus>> streetmap_alerts() { return kStreetMapAlerts; }
 
 }  // namespace infuse::daemon

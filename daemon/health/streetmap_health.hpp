@@ -2,9 +2,9 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <span>
 
-#include "daemon/health/conditions.hpp"
-#include "daemon/health/health_options.hpp"
+#include "daemon/health/alert.hpp"
 #include "drivers/measurement/stamp.hpp"
 #include "fusion/streetmap/tracker.hpp"
 
@@ -29,16 +29,7 @@ struct StreetMapStatus {
   uint64_t updates = 0;     ///< of the particle weights
 };
 
-/// Checks the pose on the map, and the map itself. Pure.
-class StreetMapHealth {
- public:
-  explicit StreetMapHealth(const HealthOptions& options);
-
-  /// Updates the findings; called about once a second. The result is valid until the next call.
-  const Conditions& update(Stamp now, const StreetMapStatus& status);
-
- private:
-  Conditions conditions_;
-};
+/// The alerts of the pose on the map, and of the map itself, the worst first.
+std::span<const Alert<StreetMapStatus>> streetmap_alerts();
 
 }  // namespace infuse::daemon

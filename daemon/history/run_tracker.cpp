@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 
+#include "daemon/health/service_alerts.hpp"
 #include "daemon/process/abort_marker.hpp"
 #include "daemon/process/crash_note.hpp"
 #include "drivers/recording/atomic_file.hpp"
@@ -63,29 +64,22 @@ std::optional<AlertReport> RunTracker::begin_run(Stamp now) {
                      : crash ? "the previous run crashed"
                              : "the previous run did not end by itself";
   if (crash) what += " (" + *crash + ")";
-  spdlog::warn("{}", what);
-  return AlertReport{now,
-                     kDaemonDevice,
-                     true,
-                     {"restarted", Level::kWarn, now,
-                      fmt::format("{}; {}; unclean exits so far: {}", what,
-                                  last_seen_text(last_seen, now), state_.unclean_exits),
-                      "see journalctl -u infused"}};
+  const Problem problem{fmt::format("{}; {}; unclean exits so far: {}", what,
+                                    last_seen_text(last_seen, now), state_.unclean_exits),
+                        "see journalctl -u infused"};
+  return AlertReport{now, kDaemonDevice, true, make_finding(kRestartedAlert, now, problem)};
 }
 
 std::optional<AlertReport> RunTracker::save_if_due(Stamp now) {
   if (file_.empty() || now - last_saved_ < kSavePeriod) return std::nullopt;
   const auto written = write(now);
-  if (written.has_value() != failing_) return std::nullopt;
-  failing_ = !written.has_value();
+  if (written.has_value() != failing_since_.has_value()) return std::nullopt;
+  const Stamp since = failing_since_.value_or(now);
+  failing_since_ = written ? std::nullopt : std::optional(now);
   const std::string what =
-      failing_ ? written.error().message() : "the state file can be written again";
-  spdlog::warn("{}", what);
-  return AlertReport{
-      now,
-      kDaemonDevice,
-      failing_,
-      {"state", Level::kWarn, now, what, "free space on the disk of the state directory"}};
+      written ? "the state file can be written again" : written.error().message();
+  const Problem problem{what, "free space on the disk of the state directory"};
+  return AlertReport{now, kDaemonDevice, !written, make_finding(kStateAlert, since, problem)};
 }
 
 void RunTracker::end_run(Stamp now) {

@@ -39,7 +39,7 @@ class RunTracker {
   std::filesystem::path file_;  // empty: nothing is saved
   SavedState state_;
   Stamp last_saved_;
-  bool failing_ = false;
+  std::optional<Stamp> failing_since_;
 };
 
 }  // namespace infuse::daemon

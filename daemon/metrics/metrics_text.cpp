@@ -186,6 +186,10 @@ std::string metrics_text(const HealthReport& health, const ProcessStats& process
   add_task(health.odometry, "odometry", families);
   add_task(health.streetmap, "streetmap", families);
   add_task(health.map, "map", families);
+  for (const CalibrationHealth& calibration : health.calibrations) {
+    add_level(worst_level(calibration.findings), calibration.findings,
+              label("device", calibration.camera) + ",kind=\"calibration\"", families);
+  }
   if (health.host) add_host(*health.host, families);
   return families.text();
 }

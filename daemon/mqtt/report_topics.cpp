@@ -13,8 +13,8 @@ enum Importance { kPoseImportance, kHealthImportance, kCalibrationImportance, kA
 
 /// What a change of the calibration is: its state, its extrinsics, or its fault.
 std::string calibration_key(const CalibrationReport& report) {
-  std::string key =
-      fmt::format("{} {}", monitoring::name_of(report.state), monitoring::name_of(report.fault));
+  std::string key = fmt::format("{} {}", monitoring::name_of(report.state),
+                                monitoring::name_of(report.verdict.fault));
   for (int i = 0; i < 12; ++i) {
     key += fmt::format(" {}", report.T_camera_lidar.matrix()(i / 4, i % 4));
   }

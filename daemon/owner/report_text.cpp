@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <set>
 
 #include "daemon/protocol/names.hpp"
 #include "drivers/measurement/angles.hpp"
@@ -30,7 +29,10 @@ std::string device_line(const Json& device) {
 std::string findings_text(const Json& sensor) {
   std::string lines;
   for (const Json& finding : sensor.value("findings", Json::array())) {
-    lines += fmt::format("        {} ({})\n", text_of(finding, "what"), text_of(finding, "advice"));
+    const std::string since =
+        finding.contains("since") ? ", since " + utc_text(finding, "since") : "";
+    lines += fmt::format("        {}{} ({})\n", text_of(finding, "what"), since,
+                         text_of(finding, "advice"));
   }
   return lines;
 }
@@ -98,6 +100,11 @@ std::string health_text(const Json& health) {
                          reason.empty() ? "" : ": " + reason);
     lines += findings_text(map);
   }
+  for (const Json& calibration : health.value("calibrations", Json::array())) {
+    lines += fmt::format("  {:<5} calibration of {}\n", text_of(calibration, "level"),
+                         text_of(calibration, "device"));
+    lines += findings_text(calibration);
+  }
   return lines;
 }
 
@@ -116,9 +123,9 @@ Level level_of(const Json& object, const char* key) {
 
 std::vector<NamedFinding> findings_of(const Json& health) {
   std::vector<NamedFinding> list;
-  const auto append = [&](const std::string& device, const Json& part) {
+  const auto append = [&](const std::string& device, const Json& part, bool calibration = false) {
     for (const Json& finding : part.value("findings", Json::array())) {
-      list.push_back({device, finding});
+      list.push_back({device, finding, calibration});
     }
   };
   append(kDaemonDevice, health);
@@ -130,42 +137,22 @@ std::vector<NamedFinding> findings_of(const Json& health) {
   for (const char* stage : {"odometry", "streetmap", "map"}) {
     if (health.contains(stage)) append(stage, health[stage]);
   }
+  for (const Json& calibration : health.value("calibrations", Json::array())) {
+    append(text_of(calibration, "device"), calibration, true);
+  }
   return list;
 }
 
 DaemonStatus daemon_status(const std::vector<Json>& reports) {
-  Json health;
-  std::set<std::string> monitored, listed;
-  for (const Json& report : reports) {
-    const std::string name = text_of(report, "class");
-    if (name == "CALIBRATION") monitored.insert(text_of(report, "device"));
-    if (name == "HEALTH") health = report;
-  }
-  if (!health.is_null()) {
-    for (const auto& [device, finding] : findings_of(health)) {
-      listed.insert(device + "." + text_of(finding, "id"));
-    }
-  }
   DaemonStatus status;
-  std::string calibrations;
+  std::string health = "no health report yet\n";
   for (const Json& report : reports) {
-    const std::string state = text_of(report, "state");
-    if (state == "recording") status.text += report_text(report);
-    if (text_of(report, "class") != "ALERT" || state != "raised") continue;
-    const std::string device = text_of(report, "device");
-    if (!monitored.contains(device) || listed.contains(text_of(report, "id"))) continue;
-    status.level = std::max(status.level, level_of(report, "severity"));
-    calibrations +=
-        fmt::format("  {:<5} {}: {}, since {} ({})\n", text_of(report, "severity"), device,
-                    text_of(report, "what"), utc_text(report, "since"), text_of(report, "advice"));
+    if (text_of(report, "state") == "recording") status.text += report_text(report);
+    if (text_of(report, "class") != "HEALTH") continue;
+    status.level = level_of(report, "level");
+    health = report_text(report);
   }
-  if (health.is_null()) {
-    status.text += "no health report yet\n" + calibrations;
-    return status;
-  }
-  status.level = std::max(status.level, level_of(health, "level"));
-  health["level"] = name_of(status.level);
-  status.text += report_text(health) + calibrations;
+  status.text += health;
   return status;
 }
 

@@ -31,6 +31,7 @@ Level level_of(const Json& object, const char* key);
 struct NamedFinding {
   std::string device;  ///< the sensor or stage; "infused" for what concerns all of them
   Json finding;
+  bool of_calibration = false;  ///< of the calibration of the camera `device`
 };
 
 /// Lists the findings of a HEALTH message.
@@ -38,13 +39,11 @@ std::vector<NamedFinding> findings_of(const Json& health);
 
 /// State of a daemon.
 struct DaemonStatus {
-  Level level = Level::kOk;  ///< the worst of HEALTH and of the calibrations
-  std::string text;          ///< the recording, HEALTH, and the findings of the calibrations
+  Level level = Level::kOk;  ///< that of HEALTH; kOk without a HEALTH report
+  std::string text;          ///< the recording and HEALTH
 };
 
-/// Returns the state of a daemon by its last report of every class and device. The findings of
-/// calibrations are not in HEALTH: they are the raised alerts of monitored cameras that HEALTH does
-/// not list.
+/// Returns the state of a daemon by its last report of every class and device.
 DaemonStatus daemon_status(const std::vector<Json>& reports);
 
 }  // namespace infuse::daemon

@@ -21,11 +21,12 @@ struct WaitReadyArguments {
 };
 
 /// "top: no data from port 2368 for 30.1 s": the first finding of a HEALTH message that keeps the
-/// daemon from being ready; empty without one.
+/// daemon from being ready; empty without one. A drifted calibration does not: it takes a drive to
+/// mend.
 std::string first_problem(const Json& health) {
-  for (const auto& [device, finding] : findings_of(health)) {
-    if (level_of(finding, "level") >= Level::kError) {
-      return device + ": " + text_of(finding, "what");
+  for (const NamedFinding& each : findings_of(health)) {
+    if (!each.of_calibration && level_of(each.finding, "level") >= Level::kError) {
+      return each.device + ": " + text_of(each.finding, "what");
     }
   }
   return "";
@@ -44,8 +45,8 @@ struct Readiness {
     if (name == "DEVICES") update_devices(report);
     if (name == "HEALTH") {
       level = report.value("level", "");
-      healthy = level == "OK" || level == "WARN";
       problem = first_problem(report);
+      healthy = problem.empty();
     }
   }
   void update_devices(const Json& report) {

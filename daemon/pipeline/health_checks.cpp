@@ -3,23 +3,6 @@
 namespace infuse::daemon {
 namespace {
 
-/// Returns what the health check needs of a report.
-CalibrationStatus calibration_status(const CalibrationReport& report) {
-  const DriftEvidence evidence = report.evidence.value_or(DriftEvidence{});
-  CalibrationStatus status{.state = report.state,
-                           .axis = evidence.axis,
-                           .evidence = evidence.nats,
-                           .evidence_threshold = evidence.threshold_nats,
-                           .fault = report.fault,
-                           .reason = report.estimate ? report.estimate->reason : ""};
-  const auto axis = static_cast<Eigen::Index>(monitoring::base_axis(evidence.axis));
-  if (axis < report.offset.size()) {
-    status.offset = report.offset[axis];
-    status.offset_sigma = report.offset_sigma[axis];
-  }
-  return status;
-}
-
 void append_alerts(Stamp stamp, const std::string& device, std::span<const Transition> transitions,
                    std::vector<AlertReport>& alerts) {
   for (const Transition& transition : transitions) {
@@ -31,9 +14,9 @@ void append_alerts(Stamp stamp, const std::string& device, std::span<const Trans
 template <class Health, class Status>
 TaskHealth<Status> check_task(Stamp stamp, const std::string& task, Health& health,
                               const Status& status, std::vector<AlertReport>& alerts) {
-  const Conditions& conditions = health.update(stamp, status);
-  append_alerts(stamp, task, conditions.transitions(), alerts);
-  return {status, conditions.level(), conditions.findings()};
+  const auto& checks = health.update(stamp, status);
+  append_alerts(stamp, task, checks.transitions(), alerts);
+  return {status, checks.level(), checks.findings()};
 }
 
 }  // namespace
@@ -43,8 +26,9 @@ HealthChecks::HealthChecks(const PipelineSetup& setup, const HealthOptions& opti
       lidar_count_(setup.lidars.size()),
       options_(options),
       odometry_(options),
-      streetmap_(options),
-      map_(options) {
+      streetmap_(streetmap_alerts(), options),
+      map_(map_alerts(), options),
+      rig_(rig_alerts(), options) {
   for (const Device& device : devices_) device_names_.push_back(device.name);
 }
 
@@ -83,9 +67,12 @@ HealthReport HealthChecks::check(const ReportItem& tick, Duration drive,
     report.streetmap = check_task(stamp, "streetmap", streetmap_, *tick.streetmap, alerts);
   }
   if (tick.map) report.map = check_task(stamp, "map", map_, *tick.map, alerts);
-  const Conditions& conditions = rig_.update(stamp, device_names_, options_);
-  report.findings = conditions.findings();
-  append_alerts(stamp, kDaemonDevice, conditions.transitions(), alerts);
+  for (const auto& [camera, checks] : calibrations_) {
+    report.calibrations.push_back({camera, checks.findings()});
+  }
+  rig_.update(stamp, {device_names_, options_.expected_sensors});
+  report.findings = rig_.findings();
+  append_alerts(stamp, kDaemonDevice, rig_.transitions(), alerts);
   return report;
 }
 
@@ -107,9 +94,11 @@ void HealthChecks::check_devices(const ReportItem& tick, HealthReport& report,
 }
 
 void HealthChecks::check(const CalibrationReport& report, std::vector<AlertReport>& alerts) {
-  const Conditions& conditions =
-      calibrations_[report.camera].update(report.stamp, calibration_status(report));
-  append_alerts(report.stamp, report.camera, conditions.transitions(), alerts);
+  auto& checks =
+      calibrations_.try_emplace(report.camera, calibration_alerts(), options_).first->second;
+  checks.update(report.stamp, {report.state, report.verdict,
+                               report.estimate ? report.estimate->reason : std::string()});
+  append_alerts(report.stamp, report.camera, checks.transitions(), alerts);
 }
 
 void HealthChecks::set_options(const HealthOptions& options) {

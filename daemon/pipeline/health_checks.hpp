@@ -49,12 +49,12 @@ class HealthChecks {
   HealthOptions options_;
   std::vector<LidarHealth> lidars_;
   std::vector<StreamHealth> streams_;  // of the other devices
-  RigHealth rig_;
   std::vector<std::string> device_names_;
   OdometryHealth odometry_;
-  StreetMapHealth streetmap_;
-  MapHealth map_;
-  std::map<std::string, CalibrationHealth> calibrations_;  // by camera
+  AlertChecks<StreetMapStatus> streetmap_;
+  AlertChecks<MapStatus> map_;
+  AlertChecks<RigStatus> rig_;
+  std::map<std::string, AlertChecks<CalibrationStatus>> calibrations_;  // by camera
 };
 
 }  // namespace infuse::daemon

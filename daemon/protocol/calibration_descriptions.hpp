@@ -6,11 +6,16 @@ namespace infuse::daemon {
 
 // CALIBRATION: its parts, and the message itself.
 
+/// The evidence of a verdict.
+struct DriftEvidence {
+  monitoring::DriftVerdict verdict;
+};
+
 template <class Visitor>
 void describe(Visitor& v, const DriftEvidence& evidence) {
-  v.field("axis", monitoring::name_of(evidence.axis));
-  v.field("nats", non_negative(rounded(evidence.nats)));
-  v.field("threshold_nats", non_negative(rounded(evidence.threshold_nats)),
+  v.field("axis", monitoring::name_of(evidence.verdict.axis));
+  v.field("nats", non_negative(rounded(evidence.verdict.evidence)));
+  v.field("threshold_nats", non_negative(rounded(evidence.verdict.threshold)),
           "at which drift is confirmed");
 }
 
@@ -36,9 +41,10 @@ void describe(Visitor& v, const CalibrationChange& change) {
 template <class Visitor>
 void describe(Visitor& v, const CalibrationReport& report) {
   using Vector6 = Eigen::Matrix<double, 6, 1>;
-  const bool evaluated = report.evidence.has_value();
+  const monitoring::DriftVerdict& verdict = report.verdict;
+  const bool evaluated = report.evaluations > 0;
   const Vector6 sigma =
-      report.offset_sigma.unaryExpr([](double s) { return std::isfinite(s) ? s : 1e9; });
+      verdict.sigma.unaryExpr([](double s) { return std::isfinite(s) ? s : 1e9; });
   v.message(name_of(report.kClass),
             "Calibration of a camera to its lidar, every ten seconds and on every change.");
   v.field("stamp", report.stamp, kStampText);
@@ -53,22 +59,22 @@ void describe(Visitor& v, const CalibrationReport& report) {
   v.field("T_camera_lidar", report.T_camera_lidar, "in use; by row, m");
   v.field("evaluations", report.evaluations, "images evaluated");
   v.field("scenes", report.scenes, "stored for a re-estimation");
-  v.field("evidence", report.evidence,
+  v.field("evidence", when(evaluated, DriftEvidence{verdict}),
           "for a drift, along the axis with the most; absent before the first evaluation");
-  v.field("offset", when(evaluated, report.offset),
+  v.field("offset", when(evaluated, verdict.offset),
           "estimated error of the calibration: rx ry rz tx ty tz about and along the camera's "
           "axes, rad and m");
   v.field("offset_sigma", when(evaluated, sigma), "its standard deviations; 1e9 where unknown");
-  v.field("delay_s", when(evaluated, rounded(report.delay)),
+  v.field("delay_s", when(evaluated, rounded(verdict.delay)),
           "estimated delay of the camera's stamps after its exposures");
   v.field("delay_ambiguous_axis",
-          evaluated && report.delay_ambiguous_axis
-              ? unless_empty(monitoring::name_of(*report.delay_ambiguous_axis))
+          evaluated && verdict.delay_ambiguous_axis
+              ? unless_empty(monitoring::name_of(*verdict.delay_ambiguous_axis))
               : std::nullopt,
           "axis along which such a delay is indistinguishable from a moved camera at the recent "
           "motion: rotation about y in a steady turn, translation along z at a steady speed");
   v.field("dependence_nats", when(evaluated, report.dependence), "of the last evaluated image");
-  v.field("camera_fault", when(report.fault != monitoring::CameraFault::kNone, report.fault));
+  v.field("camera_fault", when(verdict.fault != monitoring::CameraFault::kNone, verdict.fault));
   v.field("estimate", report.estimate, "the last re-estimation");
   v.field("history", report.history, "the last changes, oldest first");
 }

@@ -125,6 +125,13 @@ void describe(Visitor& v, const TaskHealth<MapStatus>& map) {
 }
 
 template <class Visitor>
+void describe(Visitor& v, const CalibrationHealth& calibration) {
+  v.field("device", calibration.camera, "the camera");
+  v.field("level", worst_level(calibration.findings));
+  v.field("findings", calibration.findings, "raised at present");
+}
+
+template <class Visitor>
 void describe(Visitor& v, const LatencyStats& latency) {
   const auto statistic = [&](const char* name, Duration value, const char* label) {
     v.field(name, non_negative(rounded(to_seconds(value) * 1e3)), "ms",
@@ -170,13 +177,14 @@ void describe(Visitor& v, const HealthReport& health) {
           stamp_gauge("infuse_health_timestamp_seconds"));
   v.field("drive_s", non_negative(rounded(to_seconds(health.drive))), "Since the start.",
           gauge("infuse_uptime_seconds"));
-  v.field("level", health.level(),
-          "the worst of all below; calibrations raise alerts of their own");
+  v.field("level", health.level(), "the worst of all below");
   v.field("sensors", health.sensors, "lidars");
   v.field("streams", health.streams, "cameras and vehicle sensors");
   v.field("odometry", health.odometry, "dead reckoning; absent without it");
   v.field("streetmap", health.streetmap, "tracking on the street map; absent without one");
   v.field("map", health.map, "localisation on a map of keyframes; absent without one");
+  v.field("calibrations", when(!health.calibrations.empty(), health.calibrations),
+          "of the monitored cameras; absent without any");
   v.field("findings", health.findings, "about the daemon itself, raised at present");
   v.field("host", health.host, "figures that depend on the host; not in a replay's reports file");
 }

@@ -13,8 +13,10 @@ Level HealthReport::level() const {
   if (odometry) worst = std::max(worst, odometry->level);
   if (streetmap) worst = std::max(worst, streetmap->level);
   if (map) worst = std::max(worst, map->level);
-  for (const Finding& finding : findings) worst = std::max(worst, finding.level);
-  return worst;
+  for (const auto& calibration : calibrations) {
+    worst = std::max(worst, worst_level(calibration.findings));
+  }
+  return std::max(worst, worst_level(findings));
 }
 
 template <class Report>

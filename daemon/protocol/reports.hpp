@@ -145,6 +145,12 @@ struct TaskHealth {
   std::vector<Finding> findings;
 };
 
+/// Health of the calibration of one camera.
+struct CalibrationHealth {
+  std::string camera;
+  std::vector<Finding> findings;
+};
+
 /// Health of the daemon, once a second of drive time.
 struct HealthReport {
   static constexpr ReportClass kClass = ReportClass::kHealth;
@@ -155,10 +161,11 @@ struct HealthReport {
   std::optional<TaskHealth<OdometryStatus>> odometry;
   std::optional<TaskHealth<StreetMapStatus>> streetmap;
   std::optional<TaskHealth<MapStatus>> map;
-  std::vector<Finding> findings;  ///< about the daemon itself
+  std::vector<CalibrationHealth> calibrations;  ///< of the monitored cameras
+  std::vector<Finding> findings;                ///< about the daemon itself
   std::optional<HostStats> host;
 
-  /// Returns the worst of all levels.
+  /// Returns the worst level of all findings: the one level of the daemon, which everything shows.
   Level level() const;
 };
 
@@ -205,13 +212,6 @@ struct CalibrationChange {
   Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();        ///< in use after it
 };
 
-/// Evidence for a drift of a calibration, along the axis with the most evidence.
-struct DriftEvidence {
-  monitoring::Axis axis = monitoring::Axis::kRotationX;
-  double nats = 0;
-  double threshold_nats = 0;
-};
-
 /// Result of a re-estimation.
 struct CalibrationEstimate {
   Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();
@@ -235,13 +235,8 @@ struct CalibrationReport {
   Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();  ///< in use
   uint64_t evaluations = 0;
   uint64_t scenes = 0;
-  std::optional<DriftEvidence> evidence;  ///< nothing before the first evaluation, as the next five
-  Eigen::Matrix<double, 6, 1> offset = Eigen::Matrix<double, 6, 1>::Zero();        ///< rad, m
-  Eigen::Matrix<double, 6, 1> offset_sigma = Eigen::Matrix<double, 6, 1>::Zero();  ///< rad, m
-  double delay = 0;                                                                ///< s
-  std::optional<monitoring::Axis> delay_ambiguous_axis;
-  double dependence = 0;  ///< nats
-  monitoring::CameraFault fault = monitoring::CameraFault::kNone;
+  monitoring::DriftVerdict verdict;  ///< known after the first evaluation, its fault before it
+  double dependence = 0;             ///< nats, of the last evaluated image
   std::optional<CalibrationEstimate> estimate;  ///< the last one
   std::vector<CalibrationChange> history;       ///< oldest first
 };

@@ -117,6 +117,12 @@ bool write_health(const ReportJson& report, Stamp stamp, MessageSink& sink) {
       message.status.push_back(status_of(part, text_of(part, "device")));
     }
   }
+  if (const auto parts = report.find("calibrations"); parts != report.end() && parts->is_array()) {
+    for (const ReportJson& part : *parts) {
+      if (!part.is_object()) return false;
+      message.status.push_back(status_of(part, text_of(part, "device") + " calibration"));
+    }
+  }
   for (const char* part : {"odometry", "streetmap", "map"}) {
     const auto found = report.find(part);
     if (found != report.end() && found->is_object())

@@ -11,6 +11,7 @@
 #include "daemon/metrics/metrics_text.hpp"
 #include "daemon/mqtt/mqtt_publisher.hpp"
 #include "daemon/mqtt/report_topics.hpp"
+#include "daemon/pipeline/alert_log.hpp"
 #include "daemon/run/daemon_host.hpp"
 #include "daemon/run/open_messages.hpp"
 #include "daemon/run/open_view.hpp"
@@ -121,6 +122,8 @@ int run_live(const RunOptions& options, const Config& config) {
       recordings.tap());
   recordings.set_publisher(live.publisher());
   if (config.metrics.enabled()) publish_metrics(metrics, live.publisher());
+  AlertLog alert_log;
+  live.publisher().add_alert_listener([&](const AlertReport& alert) { alert_log.add(alert); });
   HistoryWriter history(state_folder());
   write_history(history, live.publisher());
   publish_to_view(*view, live.publisher());

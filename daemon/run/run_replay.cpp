@@ -9,6 +9,7 @@
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/command_line/progress_line.hpp"
 #include "daemon/command_line/summary.hpp"
+#include "daemon/pipeline/alert_log.hpp"
 #include "daemon/pipeline/replay.hpp"
 #include "daemon/run/daemon_host.hpp"
 #include "daemon/run/open_messages.hpp"
@@ -131,7 +132,10 @@ int run_replay(const RunOptions& options, const Config& config) {
   host.connect(replay.pipeline());
   pacer = &replay.pacer();
   publish_to_view(*view, replay.publisher(), [&] { pacer->reach_sweep(); });
+  AlertLog alert_log;
   replay.publisher().add_alert_listener([&](const AlertReport& alert) {
+    line.clear();
+    alert_log.add(alert, spdlog::level::info);
     if (alert.raised) pacer->reach_alert();
   });
   start_messages(*messages, replay.pipeline(), false);

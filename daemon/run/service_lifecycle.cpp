@@ -6,6 +6,7 @@
 #include <array>
 #include <csignal>
 
+#include "daemon/health/service_alerts.hpp"
 #include "daemon/process/crash_note.hpp"
 #include "daemon/process/service_manager.hpp"
 #include "daemon/protocol/messages.hpp"
@@ -59,9 +60,10 @@ void ServiceLifecycle::on_progress() {
     const Stamp now = parts_.now();
     if (auto alert = run_tracker_.begin_run(now)) parts_.publisher.publish_alert(*alert);
     if (calibration_damage_) {
-      const Finding finding{"saved_calibrations", Level::kWarn, now, *calibration_damage_,
+      const Problem problem{*calibration_damage_,
                             "check infuse calibration; the file is kept as *.unreadable"};
-      parts_.publisher.publish_alert({now, kDaemonDevice, true, finding});
+      parts_.publisher.publish_alert(
+          {now, kDaemonDevice, true, make_finding(kSavedCalibrationsAlert, now, problem)});
     }
     return;
   }

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "daemon/health/service_alerts.hpp"
+
 namespace infuse::daemon {
 namespace {
 
@@ -196,8 +198,8 @@ void RecordingController::publish_report(const RecordReport& report) {
 // Raised once, until a recording begins.
 void RecordingController::raise_failure_alert(Stamp stamp, const std::string& what) {
   if (raised_failure_) return;
-  raised_failure_ = Finding{"record", Level::kWarn, stamp, what,
-                            "free space on the disk of " + directory_.string()};
+  raised_failure_ =
+      make_finding(kRecordAlert, stamp, {what, "free space on the disk of " + directory_.string()});
   publisher_->publish_alert({stamp, kDaemonDevice, true, *raised_failure_});
 }
 

@@ -142,28 +142,11 @@ AxisEvaluation CalibrationMonitor::evaluate_axes(const Motion& motion, MonitorRe
 }
 
 void CalibrationMonitor::fill_report(MonitorReport& report) {
-  report.evidence = detector_.evidence(detector_.strongest_axis());
-  report.axis = base_axis(detector_.strongest_axis());
-  if (report.evidence < kNegligibleEvidence) last_without_evidence_ = report.stamp;
-  report.drift = !detector_.warmed_up()  ? Drift::kLearning
-                 : detector_.confirmed() ? Drift::kConfirmed
-                 : detector_.suspected() ? Drift::kSuspected
-                                         : Drift::kHolds;
-  const bool moved = report.drift == Drift::kSuspected || report.drift == Drift::kConfirmed;
-  report.since = moved ? last_without_evidence_ : Stamp::earliest();
-  for (int k = 0; k < 6; ++k) {
-    // The maximum lies at +d: the present calibration is off by −d.
-    const Axis variant = detector_.strongest_variant(static_cast<Axis>(k));
-    report.offset(k) = -detector_.offset(variant);
-    report.sigma(k) = detector_.sigma(variant);
-  }
-  report.delay = detector_.offset(detector_.strongest_variant(Axis::kTime));
-  report.delay_ambiguous_axis = ambiguity_.axis();
-  report.fault = camera_check_.fault();
-  const bool drifting = report.drift == Drift::kConfirmed || report.drift == Drift::kSuspected;
-  if (drifting && report.axis == Axis::kTime && report.fault == CameraFault::kNone) {
-    report.fault = CameraFault::kLate;
-  }
+  report.verdict = detector_.verdict();
+  report.verdict.delay_ambiguous_axis = ambiguity_.axis();
+  report.verdict.set_fault(camera_check_.fault());
+  if (report.verdict.evidence < kNegligibleEvidence) last_without_evidence_ = report.stamp;
+  report.since = report.verdict.drifting() ? last_without_evidence_ : Stamp::earliest();
 }
 
 MonitorReport CalibrationMonitor::process(const CameraFrame& grey, const SweepView& sweep,
@@ -194,7 +177,7 @@ MonitorReport CalibrationMonitor::process(const CameraFrame& grey, const SweepVi
   fill_report(report);
   // Scenes from before the drift score higher under the present calibration and would keep later
   // ones out of the store.
-  if (report.drift == Drift::kConfirmed) scene_store_.remove_before(report.since);
+  if (report.verdict.drift == Drift::kConfirmed) scene_store_.remove_before(report.since);
   return report;
 }
 

@@ -34,31 +34,13 @@ struct MonitorOptions {
   std::optional<std::string> invalid() const;
 };
 
-/// State of the evidence against the present calibration.
-enum class Drift : uint8_t {
-  kLearning,  ///< too few evaluations so far
-  kHolds,
-  kSuspected,  ///< evidence for a drift, below the confirmation threshold
-  kConfirmed,
-};
-
 /// Result of the monitoring of one image.
 struct MonitorReport {
   Stamp stamp;
   bool evaluated = false;   ///< true if the image was evaluated
   const char* reason = "";  ///< static text: why it was not evaluated
-  CameraFault fault = CameraFault::kNone;
-  Drift drift = Drift::kLearning;
-  Axis axis = Axis::kRotationX;  ///< axis with the most evidence
-  double evidence = 0;           ///< nats, along that axis
-  /// Estimated error of the present T_camera_lidar: its offset from the maximum of the dependence,
-  /// over recent evaluations, (rx, ry, rz, tx, ty, tz).
-  geometry::Vector6 offset = geometry::Vector6::Zero();
-  geometry::Vector6 sigma = geometry::Vector6::Zero();  ///< standard deviation of `offset`
-  double delay = 0;  ///< s; estimated delay of the camera's stamps after its exposures
-  std::optional<Axis> delay_ambiguous_axis;  ///< axis along which a delay cannot be separated from
-                                             ///< a displaced camera
-  double dependence = 0;                     ///< nats, of this image at the present calibration
+  DriftVerdict verdict;     ///< by this image and those before
+  double dependence = 0;    ///< nats, of this image at the present calibration
   /// Nats; `dependence` minus that at the alternative (`set_alternative`).
   double gain = 0;
   bool has_gain = false;

@@ -1,40 +1,11 @@
 #include "fusion/monitoring/calibration_supervisor.hpp"
 
 #include <array>
-#include <cmath>
-#include <cstdio>
 #include <utility>
 
-#include "drivers/measurement/angles.hpp"
+#include "fusion/monitoring/format_text.hpp"
 
 namespace infuse::monitoring {
-namespace {
-
-template <class... Values>
-std::string format_text(const char* format, Values... values) {
-  std::array<char, 200> text{};
-  std::snprintf(text.data(), text.size(), format, values...);
-  return text.data();
-}
-
-/// Returns "rotation about y, -0.52 degrees".
-std::string describe_drift(const MonitorReport& report) {
-  if (report.axis == Axis::kTime) {
-    return format_text("stamps, %.0f ms late", 1e3 * report.delay) +
-           (report.delay_ambiguous_axis ? format_text(" (or %s: not separable for this motion)",
-                                                      name_of(*report.delay_ambiguous_axis))
-                                        : "");
-  }
-  const auto k = static_cast<Eigen::Index>(report.axis);
-  const std::string moved =
-      k < 3 ? format_text("%s, %.2f degrees", name_of(report.axis), report.offset(k) / kDegree)
-            : format_text("%s, %.1f cm", name_of(report.axis), 100 * report.offset(k));
-  return moved + (report.delay_ambiguous_axis == report.axis
-                      ? " (or late stamps: not separable for this motion)"
-                      : "");
-}
-
-}  // namespace
 
 const char* name_of(CalibrationState state) {
   constexpr std::array<const char*, 7> kNames = {
@@ -129,8 +100,9 @@ void CalibrationSupervisor::apply_requests(const MonitorReport& report,
 }
 
 void CalibrationSupervisor::update_state(const MonitorReport& report, SupervisorActions& actions) {
+  const DriftVerdict& verdict = report.verdict;
   const CalibrationState before = state_;
-  const bool at_fault = report.fault != CameraFault::kNone;
+  const bool at_fault = verdict.fault != CameraFault::kNone;
   if (at_fault) cancel_reestimation(actions);
   switch (state_) {
     case CalibrationState::kRecalibrating:
@@ -144,13 +116,13 @@ void CalibrationSupervisor::update_state(const MonitorReport& report, Supervisor
     default:
       if (at_fault) {
         state_ = CalibrationState::kUnusable;
-      } else if (report.drift == Drift::kConfirmed) {
+      } else if (verdict.drift == Drift::kConfirmed) {
         state_ = CalibrationState::kConfirmed;
-      } else if (report.drift == Drift::kSuspected) {
+      } else if (verdict.drift == Drift::kSuspected) {
         // A confirmed drift stays confirmed until the evidence is gone.
         if (state_ != CalibrationState::kConfirmed) state_ = CalibrationState::kSuspected;
-      } else if (report.drift == Drift::kHolds) {
-        if (report.evidence < 1 || state_ == CalibrationState::kMonitoring) {
+      } else if (verdict.drift == Drift::kHolds) {
+        if (verdict.evidence < 1 || state_ == CalibrationState::kMonitoring) {
           state_ = CalibrationState::kOk;
         }
       } else {
@@ -160,12 +132,12 @@ void CalibrationSupervisor::update_state(const MonitorReport& report, Supervisor
   if (state_ == before) return;
   if (state_ == CalibrationState::kConfirmed) {
     confirmed_since_ = report.stamp;
-    add_history(report.stamp, "drift confirmed: " + describe_drift(report));
+    add_history(report.stamp, "drift confirmed: " + describe_drift(verdict));
   }
   if (state_ == CalibrationState::kUnusable) {
     add_history(report.stamp,
-                std::string("the camera has a fault: ") + name_of(report.fault) +
-                    (report.fault == CameraFault::kLate ? ": " + describe_drift(report) : ""));
+                std::string("the camera has a fault: ") + name_of(verdict.fault) +
+                    (verdict.fault == CameraFault::kLate ? ": " + describe_drift(verdict) : ""));
   }
 }
 

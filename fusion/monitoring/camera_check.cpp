@@ -29,24 +29,6 @@ uint64_t hash_of(const std::vector<uint8_t>& pixels) {
 
 }  // namespace
 
-const char* name_of(CameraFault fault) {
-  switch (fault) {
-    case CameraFault::kNone:
-      return "none";
-    case CameraFault::kBlack:
-      return "black";
-    case CameraFault::kFrozen:
-      return "frozen";
-    case CameraFault::kDirty:
-      return "dirty";
-    case CameraFault::kOutOfFocus:
-      return "out of focus";
-    case CameraFault::kLate:
-      return "late";
-  }
-  return "";
-}
-
 std::optional<std::string> CameraCheckOptions::invalid() const {
   if (!(black_level > 0) || !(black_sigma > 0)) return "black_* must be positive";
   if (frozen_images < 2) return "frozen_images must be at least 2";

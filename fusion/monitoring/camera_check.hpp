@@ -7,22 +7,10 @@
 #include <vector>
 
 #include "drivers/measurement/camera_frame.hpp"
+#include "fusion/monitoring/camera_fault.hpp"
 #include "fusion/monitoring/monitor_view.hpp"
 
 namespace infuse::monitoring {
-
-/// Fault of a camera, apart from its pose.
-enum class CameraFault : uint8_t {
-  kNone,
-  kBlack,       ///< the image is dark everywhere
-  kFrozen,      ///< the same image repeats, byte for byte
-  kDirty,       ///< a part of the image has lost its detail
-  kOutOfFocus,  ///< fine detail is lost everywhere, coarse detail is not
-  kLate,        ///< stamps are later than exposures, by `MonitorReport::delay`
-};
-
-/// Returns "black", "frozen" …
-const char* name_of(CameraFault fault);
 
 /// Settings of the camera check.
 struct CameraCheckOptions {

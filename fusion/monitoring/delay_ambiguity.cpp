@@ -1,5 +1,7 @@
 #include "fusion/monitoring/delay_ambiguity.hpp"
 
+#include "fusion/monitoring/drift_detector.hpp"
+
 namespace infuse::monitoring {
 namespace {
 

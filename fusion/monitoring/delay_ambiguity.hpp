@@ -2,7 +2,8 @@
 
 #include <optional>
 
-#include "fusion/monitoring/drift_detector.hpp"
+#include "fusion/geometry/rigid_motion.hpp"
+#include "fusion/monitoring/axis.hpp"
 
 namespace infuse::monitoring {
 

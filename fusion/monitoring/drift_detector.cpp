@@ -153,15 +153,23 @@ double DriftDetector::sigma(Axis axis) const {
                          : std::numeric_limits<double>::infinity();
 }
 
-const char* name_of(Axis axis) {
-  constexpr std::array<const char*, 7> kNames = {"rotation about x",
-                                                 "rotation about y",
-                                                 "rotation about z",
-                                                 "translation along x",
-                                                 "translation along y",
-                                                 "translation along z",
-                                                 "time"};
-  return kNames[static_cast<size_t>(base_axis(axis))];
+DriftVerdict DriftDetector::verdict() const {
+  DriftVerdict verdict;
+  verdict.drift = !warmed_up()  ? Drift::kLearning
+                  : confirmed() ? Drift::kConfirmed
+                  : suspected() ? Drift::kSuspected
+                                : Drift::kHolds;
+  verdict.axis = base_axis(strongest_axis());
+  verdict.evidence = evidence(strongest_axis());
+  verdict.threshold = confirmation_threshold_;
+  for (int k = 0; k < 6; ++k) {
+    // The maximum lies at +d: the present calibration is off by −d.
+    const Axis variant = strongest_variant(static_cast<Axis>(k));
+    verdict.offset(k) = -offset(variant);
+    verdict.sigma(k) = sigma(variant);
+  }
+  verdict.delay = offset(strongest_variant(Axis::kTime));
+  return verdict;
 }
 
 }  // namespace infuse::monitoring

@@ -1,38 +1,13 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <optional>
 #include <string>
 
-#include "fusion/geometry/rigid_motion.hpp"
+#include "fusion/monitoring/axis.hpp"
+#include "fusion/monitoring/drift_verdict.hpp"
 
 namespace infuse::monitoring {
-
-/// Axes of an evaluation: the six of a left perturbation of T_camera_lidar, the delay of the
-/// camera's stamps, and rotations and delay again with a wider step, which detects drifts beyond
-/// the range of the narrow one.
-enum class Axis : uint8_t {
-  kRotationX,
-  kRotationY,
-  kRotationZ,
-  kTranslationX,
-  kTranslationY,
-  kTranslationZ,
-  kTime,
-  kWideRotationX,
-  kWideRotationY,
-  kWideRotationZ,
-  kWideTime
-};
-inline constexpr size_t kAxes = 11;
-
-/// Returns the axis that a wide variant belongs to; other axes unchanged.
-constexpr Axis base_axis(Axis axis) {
-  if (axis < Axis::kWideRotationX) return axis;
-  if (axis == Axis::kWideTime) return Axis::kTime;
-  return static_cast<Axis>(static_cast<uint8_t>(axis) - static_cast<uint8_t>(Axis::kWideRotationX));
-}
 
 /// One number per axis.
 using PerAxis = std::array<double, kAxes>;
@@ -113,6 +88,10 @@ class DriftDetector {
   }
   int evaluations() const { return evaluations_; }
 
+  /// Returns what the evaluations say: all of a verdict but the fault of the camera, and whether a
+  /// delay can be separated.
+  DriftVerdict verdict() const;
+
   /// Mean offset and its standard deviation: if drift is suspected along the axis, over the
   /// evaluations since its evidence began, when the calibration presumably changed; otherwise over
   /// all. Older evaluations fade by 1/30 each. 0 and infinity without evaluations.
@@ -147,8 +126,5 @@ class DriftDetector {
   std::array<AxisState, kAxes> axes_;
   int evaluations_ = 0;
 };
-
-/// Returns "rotation about x", "translation along z", "time".
-const char* name_of(Axis axis);
 
 }  // namespace infuse::monitoring

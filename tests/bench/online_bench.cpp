@@ -71,8 +71,9 @@ DetectionDelay measure_delay(const Drive& drive, const Fault& fault,
         monitor.process(pair.grey, make_sweep_view(pair.sweep), {pair.angular_rate, pair.velocity});
     if (i < fault.first_pair) continue;
     const double after = to_seconds(pair.grey.stamp - drive.pairs[fault.first_pair].grey.stamp);
-    if (report.drift == Drift::kSuspected) delay.suspected = std::min(delay.suspected, after);
-    if (report.drift == Drift::kConfirmed) {
+    if (report.verdict.drift == Drift::kSuspected)
+      delay.suspected = std::min(delay.suspected, after);
+    if (report.verdict.drift == Drift::kConfirmed) {
       delay.suspected = std::min(delay.suspected, after);
       delay.confirmed = after;
       break;
@@ -157,8 +158,8 @@ double run_without_fault(const std::filesystem::path& drive, Method method, int&
     } else {
       const auto report = monitor->process(pair.grey, make_sweep_view(pair.sweep),
                                            {pair.angular_rate, pair.velocity});
-      alarm = report.drift == Drift::kConfirmed;
-      if (report.evaluated) tail.add(report.evidence);
+      alarm = report.verdict.drift == Drift::kConfirmed;
+      if (report.evaluated) tail.add(report.verdict.evidence);
     }
     alarms += alarm && !raised ? 1 : 0;
     raised = alarm;
@@ -323,7 +324,7 @@ void kitti_stream(benchmark::State& state) {
   double detected = 0, confirmed = 0, usable = 0, all = 0, evidence = 0;
   for (auto _ : state) {
     monitoring::CalibrationMonitor right(stream.camera, stream.T_camera_lidar, {});
-    evidence = monitoring::kitti::drive(right, stream, 4).evidence;
+    evidence = monitoring::kitti::drive(right, stream, 4).verdict.evidence;
     for (const double size : {0.5, -0.5, 1.0, -1.0, 2.0, -2.0}) {
       for (int axis = 0; axis < 3; ++axis) {
         const Eigen::Isometry3d wrong =

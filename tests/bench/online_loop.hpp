@@ -53,7 +53,7 @@ inline RecoveryResult run_recovery(const Drive& drive, const Fault& fault) {
     const auto report = monitor.process(pair.grey, monitoring::make_sweep_view(pair.sweep),
                                         {pair.angular_rate, pair.velocity});
     if (i < fault.first_pair) continue;
-    if (!alarm && report.drift == monitoring::Drift::kConfirmed) {
+    if (!alarm && report.verdict.drift == monitoring::Drift::kConfirmed) {
       alarm = pair.grey.stamp;
       out.alarm_delay = to_seconds(*alarm - drive.pairs[fault.first_pair].grey.stamp);
     }
@@ -107,11 +107,11 @@ inline DriftAngles detect_slow_drift(const std::vector<const Drive*>& drives, in
                                     drive->T_camera_lidar);
       const auto report = monitor.process(grey, monitoring::make_sweep_view(pair.sweep),
                                           {pair.angular_rate, pair.velocity});
-      if (report.drift == monitoring::Drift::kSuspected &&
-          report.axis == static_cast<monitoring::Axis>(axis)) {
+      if (report.verdict.drift == monitoring::Drift::kSuspected &&
+          report.verdict.axis == static_cast<monitoring::Axis>(axis)) {
         out.suspected_deg = std::min(out.suspected_deg, std::abs(degrees));
       }
-      if (report.drift == monitoring::Drift::kConfirmed) {
+      if (report.verdict.drift == monitoring::Drift::kConfirmed) {
         out.confirmed_deg = std::abs(degrees);
         out.suspected_deg = std::min(out.suspected_deg, out.confirmed_deg);
         return out;

@@ -57,7 +57,7 @@ TEST_F(CalibrationGuardTest, ABlackImageMakesTheCalibrationUnusableAtOnce) {
     if (const CalibrationReport* report = process(0.1 * i)) last = *report;
   }
   EXPECT_EQ(last.state, CalibrationState::kUnusable);
-  EXPECT_EQ(last.fault, monitoring::CameraFault::kBlack);
+  EXPECT_EQ(last.verdict.fault, monitoring::CameraFault::kBlack);
   EXPECT_FALSE(last.history.empty());
 }
 

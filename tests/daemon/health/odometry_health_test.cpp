@@ -22,7 +22,7 @@ TEST(OdometryHealth, NamesTheSourceThatContradicts) {
   Stamp now = Stamp::from_ns(0);
   for (uint64_t second = 1; second < 10; ++second) {
     now = now + from_seconds(1);
-    const Conditions& conditions = health.update(now, status_of(50 * second, second));
+    const auto& conditions = health.update(now, status_of(50 * second, second));
     EXPECT_TRUE(conditions.findings().empty()) << "single outliers";
   }
   for (uint64_t second = 1; second < 5; ++second) {

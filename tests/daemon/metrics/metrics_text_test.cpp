@@ -122,6 +122,8 @@ HealthReport health_report() {
   health.streams = {{"front", "camera", front}};
   health.odometry.emplace().status.reason = "no samples";
   health.odometry->status.speed = 3.25;
+  health.calibrations = {
+      {"front", {{"drift_confirmed", Level::kError, Stamp::from_ns(1), "w", "a"}}}};
   health.host.emplace().cpu_s = 1.5;
   health.host->stages = {
       {"monitor", {5, Duration(500'000), Duration(2'000'000), Duration(3'000'000)}, 1}};
@@ -153,6 +155,7 @@ TEST(MetricsText, FollowsTheFormat) {
   EXPECT_DOUBLE_EQ(value("infuse_lidar_clock_offset_seconds{device=\"top\"}"), -2e-6);
   EXPECT_DOUBLE_EQ(value("infuse_lidar_clock_skew_ratio{device=\"top\"}"), 8.5e-6);
   EXPECT_EQ(value("infuse_level{device=\"front\",kind=\"camera\"}"), 1);
+  EXPECT_EQ(value(R"(infuse_level{device="front",kind="calibration"})"), 2);
   EXPECT_EQ(value(R"(infuse_level{device="a\"b\\c\nd",kind="lidar"})"), 3);
   EXPECT_EQ(
       value(R"(infuse_finding{device="a\"b\\c\nd",kind="lidar",id="silent",severity="STALE"})"), 1);

@@ -1,4 +1,4 @@
-// The state of the daemon by what it reported last: HEALTH, and what HEALTH leaves out.
+// The state of the daemon by what it reported last.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -18,75 +18,58 @@ namespace infuse::daemon {
 namespace {
 
 using testing::HasSubstr;
-using testing::Not;
 
-constexpr int64_t kRaised = 1'795'230'775'000'000'000;  // 2026-11-21T03:12:55Z
+constexpr int64_t kNow = 1'795'230'810'120'000'000;  // 2026-11-21T03:13:30.120Z
 
-Json health_report(const char* level, const Json& front_findings = Json::array()) {
-  return {{"class", "HEALTH"},
-          {"stamp", kRaised + 35'120'000'000},
-          {"drive_s", 36.2},
-          {"level", level},
-          {"streams",
-           {{{"device", "front"},
-             {"level", level},
-             {"received_hz", 10.0},
-             {"used", 362},
-             {"findings", front_findings}}}}};
+Json health_report(const char* level, const Json& drift_findings = Json::array()) {
+  return {
+      {"class", "HEALTH"},
+      {"stamp", kNow},
+      {"drive_s", 36.2},
+      {"level", level},
+      {"streams",
+       {{{"device", "front"},
+         {"level", "OK"},
+         {"received_hz", 10.0},
+         {"used", 362},
+         {"findings", Json::array()}}}},
+      {"calibrations", {{{"device", "front"}, {"level", level}, {"findings", drift_findings}}}}};
 }
 
-Json alert_of_front(const char* id, const char* severity, const char* state) {
-  return {{"class", "ALERT"},
-          {"device", "front"},
-          {"id", std::string("front.") + id},
-          {"severity", severity},
-          {"state", state},
-          {"since", kRaised},
+Json drift_finding(const char* id, const char* level) {
+  return {{"id", id},
+          {"level", level},
+          {"since", 1'795'230'775'000'000'000},
           {"what", "calibration drift confirmed: rotation about y"},
           {"advice", "drive on"}};
 }
 
-Json calibration_report() {
-  return {{"class", "CALIBRATION"}, {"device", "front"}, {"state", "OK"}};
-}
-
-/// The state of a daemon that is well but for a confirmed drift, whose alert has this state.
-DaemonStatus drift_status(const char* alert_state) {
-  return daemon_status({calibration_report(),
-                        alert_of_front("drift_confirmed", "ERROR", alert_state),
-                        health_report("OK")});
-}
-
-TEST(Status, ARaisedDriftAlertIsShownAndCounts) {
-  const DaemonStatus status = drift_status("raised");
+TEST(Status, ADriftIsShownWithTheLevelOfHealth) {
+  const Json finding = drift_finding("drift_confirmed", "ERROR");
+  const DaemonStatus status = daemon_status({health_report("ERROR", Json::array({finding}))});
   EXPECT_EQ(status.level, Level::kError);
   EXPECT_THAT(status.text, HasSubstr("03:13:30.120 HEALTH ERROR (running for 36 s)\n"));
   EXPECT_THAT(status.text, HasSubstr("  OK    front: 10.0/s, 362 used, 0 rejected\n"));
-  EXPECT_THAT(status.text, HasSubstr("  ERROR front: calibration drift confirmed: rotation about "
-                                     "y, since 2026-11-21T03:12:55Z (drive on)\n"));
+  EXPECT_THAT(status.text,
+              HasSubstr("  ERROR calibration of front\n        calibration drift confirmed: "
+                        "rotation about y, since 2026-11-21T03:12:55Z (drive on)\n"));
 }
 
-TEST(Status, AClearedAlertDoesNotCount) {
-  const DaemonStatus status = drift_status("cleared");
+TEST(Status, ARunningRecordingIsShown) {
+  const Json record = {{"class", "RECORD"}, {"state", "recording"}, {"name", "evening"}};
+  const DaemonStatus status = daemon_status({record, health_report("OK")});
   EXPECT_EQ(status.level, Level::kOk);
+  EXPECT_THAT(status.text, HasSubstr("evening recording"));
   EXPECT_THAT(status.text, HasSubstr("HEALTH OK "));
-  EXPECT_THAT(status.text, Not(HasSubstr("drift")));
 }
 
-TEST(Status, AFindingOfHealthIsShownOnce) {
-  const Json finding = {{"id", "silent"},
-                        {"level", "STALE"},
-                        {"what", "no data from /dev/video0 for 3.0 s"},
-                        {"advice", "check power and connection"}};
-  const DaemonStatus status =
-      daemon_status({calibration_report(), alert_of_front("silent", "STALE", "raised"),
-                     alert_of_front("drift_suspected", "WARN", "raised"),
-                     health_report("STALE", Json::array({finding}))});
-  EXPECT_EQ(status.level, Level::kStale);
-  EXPECT_THAT(status.text, HasSubstr("HEALTH STALE "));
-  EXPECT_THAT(status.text, HasSubstr("        no data from /dev/video0 for 3.0 s (check power"));
-  EXPECT_THAT(status.text, HasSubstr("  WARN  front: calibration drift"));
-  EXPECT_THAT(status.text, Not(HasSubstr("  STALE front: calibration drift")));
+TEST(Status, FindingsOfCalibrationsAreNamedByTheirCamera) {
+  const Json finding = drift_finding("drift_confirmed", "ERROR");
+  const auto findings = findings_of(health_report("ERROR", Json::array({finding})));
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_EQ(findings[0].device, "front");
+  EXPECT_TRUE(findings[0].of_calibration);
+  EXPECT_EQ(text_of(findings[0].finding, "id"), "drift_confirmed");
 }
 
 TEST(Status, WithoutHealthThereIsNoLevel) {
@@ -104,7 +87,7 @@ ProgramResult status_of(const std::vector<std::pair<ReportClass, Json>>& reports
   EXPECT_TRUE(server.listen(path));
   for (const auto& [report_class, report] : reports) {
     server.publish(report_class, report.value("id", report.value("device", "")),
-                   Stamp::from_ns(kRaised), report.dump());
+                   Stamp::from_ns(kNow), report.dump());
   }
   std::thread thread([&] { io.run(); });
   ProgramResult result = run_shell_command(programs_folder() + "/infuse status --socket " + path);
@@ -114,17 +97,15 @@ ProgramResult status_of(const std::vector<std::pair<ReportClass, Json>>& reports
 }
 
 TEST(Status, TheExitStatusIsThatOfTheWorstLevel) {
-  const ProgramResult drifted =
-      status_of({{ReportClass::kCalibration, calibration_report()},
-                 {ReportClass::kAlert, alert_of_front("drift_confirmed", "ERROR", "raised")},
-                 {ReportClass::kHealth, health_report("OK")}});
+  const ProgramResult drifted = status_of(
+      {{ReportClass::kHealth,
+        health_report("ERROR", Json::array({drift_finding("drift_confirmed", "ERROR")}))}});
   EXPECT_EQ(drifted.code, 1);
   EXPECT_THAT(drifted.output, HasSubstr("HEALTH ERROR "));
   EXPECT_THAT(drifted.output, HasSubstr("calibration drift confirmed"));
   const ProgramResult suspected =
-      status_of({{ReportClass::kCalibration, calibration_report()},
-                 {ReportClass::kAlert, alert_of_front("drift_suspected", "WARN", "raised")},
-                 {ReportClass::kHealth, health_report("OK")}});
+      status_of({{ReportClass::kHealth,
+                  health_report("WARN", Json::array({drift_finding("drift_suspected", "WARN")}))}});
   EXPECT_EQ(suspected.code, 0);
   EXPECT_THAT(suspected.output, HasSubstr("HEALTH WARN "));
 }

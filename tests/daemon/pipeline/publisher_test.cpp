@@ -127,8 +127,10 @@ TEST_F(PublisherTest, AConfirmedDriftRaisesAnAlertWithItsAxisAndSize) {
   item.calibration.camera = "front";
   item.calibration.stamp = at(1);
   item.calibration.state = monitoring::CalibrationState::kConfirmed;
-  item.calibration.evidence = {monitoring::Axis::kRotationY, 20, 17};
-  item.calibration.offset[1] = 0.01;
+  item.calibration.verdict.axis = monitoring::Axis::kRotationY;
+  item.calibration.verdict.evidence = 20;
+  item.calibration.verdict.threshold = 17;
+  item.calibration.verdict.offset[1] = 0.01;
   push(item);
   const json alert = lines().back();
   EXPECT_EQ(alert["id"], "front.drift_confirmed");
@@ -136,6 +138,11 @@ TEST_F(PublisherTest, AConfirmedDriftRaisesAnAlertWithItsAxisAndSize) {
             "calibration drift confirmed: rotation about y, by +0.57 ± 0.00 ° (evidence 20.0 of "
             "17.0 nats)");
   EXPECT_EQ(publisher_.totals().calibrations.at("front").camera, "front");
+  push_tick(2, 7);
+  const json health = lines().back();
+  EXPECT_EQ(health["level"], "ERROR");
+  EXPECT_EQ(health["calibrations"][0]["device"], "front");
+  EXPECT_EQ(health["calibrations"][0]["findings"][0]["what"], alert["what"]);
 }
 
 TEST_F(PublisherTest, ReportsOfOneKindAreKeptByDevice) {

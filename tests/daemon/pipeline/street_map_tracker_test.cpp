@@ -211,10 +211,10 @@ TEST(StreetMapSettings, InvalidSettingsAreErrors) {
 TEST(StreetMapHealth, RaisesFindingsWithThePosition) {
   HealthOptions options;
   options.raise_after = options.clear_after = Duration::zero();
-  StreetMapHealth health(options);
+  AlertChecks<StreetMapStatus> health(streetmap_alerts(), options);
   StreetMapStatus status{
       .state = TrackState::kLost, .reason = "x", .mismatch = true, .x = 120.4, .y = -33};
-  const Conditions& conditions = health.update(Stamp::from_ns(1), status);
+  const auto& conditions = health.update(Stamp::from_ns(1), status);
   ASSERT_EQ(conditions.findings().size(), 2U);
   EXPECT_STREQ(conditions.findings()[0].id, "lost");
   EXPECT_STREQ(conditions.findings()[1].id, "map_mismatch");

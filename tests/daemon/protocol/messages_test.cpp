@@ -106,14 +106,19 @@ TEST(Messages, ACalibrationHasOnlyFieldsThatAreKnown) {
   EXPECT_FALSE(young.contains("evidence"));
   EXPECT_FALSE(young.contains("estimate"));
   EXPECT_FALSE(young.contains("camera_fault"));
-  report.evidence = {monitoring::Axis::kRotationY, 3, 17};
-  report.offset_sigma[2] = std::numeric_limits<double>::infinity();
-  report.fault = monitoring::CameraFault::kDirty;
+  report.evaluations = 1;
+  report.verdict.axis = monitoring::Axis::kRotationY;
+  report.verdict.evidence = 3;
+  report.verdict.threshold = 17;
+  report.verdict.sigma[2] = std::numeric_limits<double>::infinity();
+  report.verdict.fault = monitoring::CameraFault::kDirty;
   report.estimate.emplace().reason = "two halves of the scenes disagree";
   report.history.push_back({Stamp::from_ns(5), monitoring::CalibrationState::kRecalibrated,
                             "applied", Eigen::Isometry3d::Identity()});
   const json known = encoded(report);
   EXPECT_EQ(known["evidence"]["axis"], "rotation about y");
+  EXPECT_EQ(known["evidence"]["nats"], 3);
+  EXPECT_EQ(known["evidence"]["threshold_nats"], 17);
   EXPECT_EQ(known["offset_sigma"][2], 1e9);
   EXPECT_EQ(known["camera_fault"], "dirty");
   EXPECT_EQ(known["estimate"]["usable"], false);
@@ -151,6 +156,20 @@ TEST(Messages, HealthHasTheWorstLevelAndHostFiguresOnlyWhenGiven) {
   EXPECT_EQ(full["host"]["stages"][0]["latency_ms"]["p99"], 2);
   EXPECT_EQ(full["host"]["stages"][0]["deadline_misses"], 2);
   EXPECT_EQ(full["host"]["queues"][0]["capacity"], 8);
+}
+
+TEST(Messages, TheLevelOfHealthCountsCalibrations) {
+  HealthReport report;
+  report.sensors = {{"top", "lidar", LidarStatus{.level = Level::kWarn}}};
+  EXPECT_EQ(encoded(report)["level"], "WARN");
+  EXPECT_FALSE(encoded(report).contains("calibrations"));
+  report.calibrations = {{"left", {}},
+                         {"right", {{"drift_confirmed", Level::kError, kStamp, "drift", "look"}}}};
+  const json drifted = encoded(report);
+  EXPECT_EQ(drifted["level"], "ERROR");
+  EXPECT_EQ(drifted["calibrations"][0]["level"], "OK");
+  EXPECT_EQ(drifted["calibrations"][1]["level"], "ERROR");
+  EXPECT_EQ(drifted["calibrations"][1]["findings"][0]["id"], "drift_confirmed");
 }
 
 TEST(Messages, AnAlertHasTheSameIdWhenRaisedAndCleared) {

@@ -68,9 +68,10 @@ TEST(CalibrationMonitor, AnUnchangedCalibrationHolds) {
   CalibrationMonitor monitor(small_camera(), true_T_camera_lidar(), {});
   Driver driver;
   const MonitorReport report = driver.drive(monitor, 200);
-  EXPECT_EQ(report.drift, Drift::kHolds) << report.evidence << " " << name_of(report.axis);
-  EXPECT_EQ(report.fault, CameraFault::kNone);
-  EXPECT_LT(report.offset.head<3>().norm(), 0.2 * kDegree);
+  EXPECT_EQ(report.verdict.drift, Drift::kHolds)
+      << report.verdict.evidence << " " << name_of(report.verdict.axis);
+  EXPECT_EQ(report.verdict.fault, CameraFault::kNone);
+  EXPECT_LT(report.verdict.offset.head<3>().norm(), 0.2 * kDegree);
 }
 
 TEST(CalibrationMonitor, ARotatedCameraIsDetectedWithItsAxis) {
@@ -78,8 +79,8 @@ TEST(CalibrationMonitor, ARotatedCameraIsDetectedWithItsAxis) {
     CalibrationMonitor monitor(small_camera(), turned(1, axis), {});
     Driver driver;
     const MonitorReport report = driver.drive(monitor, 60);
-    EXPECT_EQ(report.drift, Drift::kConfirmed) << axis;
-    EXPECT_GT(report.offset(axis), 0.2 * kDegree) << axis;
+    EXPECT_EQ(report.verdict.drift, Drift::kConfirmed) << axis;
+    EXPECT_GT(report.verdict.offset(axis), 0.2 * kDegree) << axis;
   }
 }
 
@@ -147,8 +148,8 @@ TEST(CalibrationMonitor, TheSameInputGivesTheSameReports) {
   for (int k = 0; k < 20; ++k) {
     const MonitorReport x = first.drive(a);
     const MonitorReport y = second.drive(b);
-    EXPECT_EQ(x.evidence, y.evidence);
-    EXPECT_EQ(x.offset, y.offset);
+    EXPECT_EQ(x.verdict.evidence, y.verdict.evidence);
+    EXPECT_EQ(x.verdict.offset, y.verdict.offset);
     EXPECT_EQ(x.dependence, y.dependence);
   }
 }

@@ -21,11 +21,11 @@ class Drive {
 
   SupervisorActions step(Drift drift, double gain = 0, CameraFault fault = CameraFault::kNone) {
     MonitorReport report{.stamp = Stamp::from_ns(500'000'000LL * next_++), .evaluated = true};
-    report.drift = drift;
-    report.fault = fault;
-    report.evidence = drift == Drift::kHolds ? 0 : drift == Drift::kSuspected ? 5 : 20;
-    report.axis = Axis::kRotationY;
-    report.offset(1) = 0.5 * kDegree;
+    report.verdict.drift = drift;
+    report.verdict.fault = fault;
+    report.verdict.evidence = drift == Drift::kHolds ? 0 : drift == Drift::kSuspected ? 5 : 20;
+    report.verdict.axis = Axis::kRotationY;
+    report.verdict.offset(1) = 0.5 * kDegree;
     report.gain = gain;
     report.has_gain = supervisor.alternative().has_value();
     return supervisor.process(report, scenes);

@@ -24,8 +24,9 @@ TEST(RealKittiStream, ThePublishedExtrinsicsHold) {
   ASSERT_EQ(stream.images.size(), 17U);
   CalibrationMonitor monitor(stream.camera, stream.T_camera_lidar, {});
   const MonitorReport report = kitti::drive(monitor, stream, 4);
-  EXPECT_EQ(report.drift, Drift::kHolds) << name_of(report.axis) << " " << report.evidence;
-  EXPECT_EQ(report.fault, CameraFault::kNone);
+  EXPECT_EQ(report.verdict.drift, Drift::kHolds)
+      << name_of(report.verdict.axis) << " " << report.verdict.evidence;
+  EXPECT_EQ(report.verdict.fault, CameraFault::kNone);
 }
 
 TEST(RealKittiStream, ARotationIsDetected) {

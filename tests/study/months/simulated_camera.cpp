@@ -8,7 +8,6 @@ namespace {
 using monitoring::Axis;
 using monitoring::CalibrationState;
 using monitoring::CameraFault;
-using monitoring::Drift;
 
 /// What the evaluation of an image is worth: the standard deviation of its offset in rad, m or s,
 /// and the step. The noise of the measure is as the sequential test assumes it before it has
@@ -87,24 +86,10 @@ monitoring::AxisEvaluation SimulatedCamera::evaluate(double late) {
 /// As the monitor reports it.
 monitoring::MonitorReport SimulatedCamera::report_of(Stamp now, const FaultSchedule& faults) {
   monitoring::MonitorReport report{.stamp = now, .evaluated = true};
-  report.evidence = detector_->evidence(detector_->strongest_axis());
-  report.axis = monitoring::base_axis(detector_->strongest_axis());
-  if (report.evidence < kNegligible) last_without_evidence_ = now;
-  report.drift = !detector_->warmed_up()  ? Drift::kLearning
-                 : detector_->confirmed() ? Drift::kConfirmed
-                 : detector_->suspected() ? Drift::kSuspected
-                                          : Drift::kHolds;
-  const bool drifting = report.drift == Drift::kSuspected || report.drift == Drift::kConfirmed;
-  report.since = drifting ? last_without_evidence_ : Stamp::earliest();
-  for (int k = 0; k < 6; ++k) {
-    const Axis variant = detector_->strongest_variant(static_cast<Axis>(k));
-    report.offset(k) = -detector_->offset(variant);
-    report.sigma(k) = detector_->sigma(variant);
-  }
-  report.fault = fault_of(name_, faults);
-  if (drifting && report.axis == Axis::kTime && report.fault == CameraFault::kNone) {
-    report.fault = CameraFault::kLate;
-  }
+  report.verdict = detector_->verdict();
+  report.verdict.set_fault(fault_of(name_, faults));
+  if (report.verdict.evidence < kNegligible) last_without_evidence_ = now;
+  report.since = report.verdict.drifting() ? last_without_evidence_ : Stamp::earliest();
   if (const auto& other = supervisor_->alternative()) {
     const auto misfit = [&](const Eigen::Isometry3d& T) {
       const geometry::Vector6 error = geometry::log(T_true_ * T.inverse());
@@ -184,13 +169,7 @@ daemon::CalibrationReport SimulatedCamera::daemon_report(const monitoring::Monit
   report.can_roll_back = supervisor_->can_roll_back();
   report.T_camera_lidar = supervisor_->current();
   report.evaluations = evaluations_;
-  if (evaluations_ > 0) {
-    report.evidence = {monitor.axis, monitor.evidence,
-                       settings_.monitor.detector.confirmation_threshold()};
-  }
-  report.offset = monitor.offset;
-  report.offset_sigma = monitor.sigma;
-  report.fault = monitor.fault;
+  report.verdict = monitor.verdict;
   if (last_result_) {
     report.estimate = {last_result_->T_camera_lidar, last_result_->covariance, last_result_->moved,
                        last_result_->scenes, last_result_->reason};

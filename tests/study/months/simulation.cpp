@@ -89,15 +89,6 @@ Eigen::Isometry3d configured_pose() {
   return Eigen::Isometry3d(matrix);
 }
 
-/// True for alerts about a calibration, which HEALTH does not hold.
-bool is_calibration_alert(const std::string& id) {
-  for (const char* end : {".calibration_unusable", ".drift_confirmed", ".camera_fault",
-                          ".drift_suspected", ".calibration_changed"}) {
-    if (id.ends_with(end)) return true;
-  }
-  return false;
-}
-
 /// True for alerts that only who raised them knows about.
 bool is_service_alert(const std::string& id) {
   return id.starts_with("infused.") && id != "infused.missing_sensors" &&
@@ -206,10 +197,11 @@ void Simulation::check(const daemon::HealthReport& health) {
   for (const auto& sensor : health.sensors) add(sensor.device, sensor.status.findings);
   for (const auto& stream : health.streams) add(stream.device, stream.status.findings);
   if (health.odometry) add("odometry", health.odometry->findings);
+  for (const auto& calibration : health.calibrations) add(calibration.camera, calibration.findings);
   add(daemon::kDaemonDevice, health.findings);
   std::set<std::string> alerted;
   for (const std::string& id : raised_) {
-    if (!is_calibration_alert(id) && !is_service_alert(id)) alerted.insert(id);
+    if (!is_service_alert(id)) alerted.insert(id);
   }
   if (found != alerted) problem("HEALTH and the alerts differ");
   level_ = health.level();
