@@ -2,6 +2,7 @@
 
 #include <charconv>
 
+#include "drivers/text/quoted.hpp"
 #include "drivers/text/stamp_text.hpp"
 
 namespace infuse::vehicle {
@@ -13,11 +14,7 @@ tl::unexpected<Error> parse_error(const std::string& what, const char* hint = ""
   return fail(what, "", hint);
 }
 
-std::string quoted(std::string_view text) {
-  std::string quotation(1, '\'');
-  quotation += text.substr(0, 40);
-  return quotation += '\'';
-}
+using text::quoted;
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 

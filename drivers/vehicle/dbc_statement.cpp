@@ -3,12 +3,14 @@
 #include <charconv>
 #include <cmath>
 
+#include "drivers/text/quoted.hpp"
+
 namespace infuse::vehicle {
 namespace {
 
 using Kind = DbcToken::Kind;
 
-std::string quoted(std::string_view text) { return "'" + std::string(text.substr(0, 40)) + "'"; }
+using text::quoted;
 
 bool opens_statement(const DbcToken& token) {
   return token.kind == Kind::kWord && token.first_on_line && is_dbc_keyword(token.text);
