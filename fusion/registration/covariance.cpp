@@ -5,6 +5,8 @@
 namespace infuse::registration {
 namespace {
 
+using features::Neighbourhoods;
+
 /// Covariances of `kPlanes` neighbourhoods from lane `first` on; zero where there are too few
 /// points.
 Covariances covariances_of(const Neighbourhoods& around, int first, int min_neighbours) {
