@@ -70,5 +70,6 @@ check_all() { # CHECK SECONDS
   ((code == 0 || code == 124)) || exit "$code"
   echo "$1: $(wc -l <"$work/done") of ${#all[@]} files checked, $(wc -l <"$work/failed") failed" >&2
   [[ ! -s $work/failed ]] || { cat "$work/failed" >&2; return 1; }
-  ((code == 0)) || { echo "$1: the rest was not reached within $2 s" >&2; return 3; }
+  ((code == 0)) || echo "$1: the rest was not reached within $2 s" >&2
+  ((${#all[@]} == 0)) || [[ -s $work/done ]] || { echo "$1: nothing was checked" >&2; return 1; }
 }
