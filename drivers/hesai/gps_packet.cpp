@@ -2,7 +2,13 @@
 
 #include <string_view>
 
+#include "drivers/lidar/little_endian.hpp"
+
 namespace infuse::hesai {
+
+bool is_gps_packet(std::span<const uint8_t> payload) {
+  return payload.size() == kGpsPacketSize && payload[0] == 0xFF && payload[1] == 0xEE;
+}
 
 std::optional<GpsPacket> parse_gps_packet(std::span<const uint8_t> payload) {
   // Two bytes FF EE, date and time as six digits each (a second behind the sentence), microseconds,
@@ -11,14 +17,9 @@ std::optional<GpsPacket> parse_gps_packet(std::span<const uint8_t> payload) {
   constexpr size_t kSentenceOffset = 18;
   constexpr size_t kSentenceSize = 84;
   constexpr size_t kPpsOffset = 507;
-  if (payload.size() != kGpsPacketSize || payload[0] != 0xFF || payload[1] != 0xEE) {
-    return std::nullopt;
-  }
+  if (!is_gps_packet(payload)) return std::nullopt;
   GpsPacket packet;
-  const uint8_t* microseconds = payload.data() + kMicrosecondsOffset;
-  packet.microseconds =
-      static_cast<uint32_t>(microseconds[0] | microseconds[1] << 8 | microseconds[2] << 16) |
-      static_cast<uint32_t>(microseconds[3]) << 24;
+  packet.microseconds = lidar::read_u32(payload.data() + kMicrosecondsOffset);
   packet.pps_locked = payload[kPpsOffset] == 1;
   const auto* sentence = reinterpret_cast<const char*>(payload.data() + kSentenceOffset);
   packet.sentence = gnss::parse_nmea(std::string_view(sentence, kSentenceSize));

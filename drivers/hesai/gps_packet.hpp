@@ -19,7 +19,10 @@ struct GpsPacket {
   tl::expected<gnss::NmeaFix, gnss::NmeaFault> sentence;  ///< last sentence of the GNSS receiver
 };
 
-/// Parses a payload; nothing if it is not 512 bytes or does not begin with FF EE.
+/// True if a payload has the size and the mark of a GPS packet: 512 bytes, FF EE.
+bool is_gps_packet(std::span<const uint8_t> payload);
+
+/// Parses a payload; nothing if it is no GPS packet.
 std::optional<GpsPacket> parse_gps_packet(std::span<const uint8_t> payload);
 
 }  // namespace infuse::hesai

@@ -45,6 +45,8 @@ bool has_block_flags(const ModelInfo& info, std::span<const uint8_t> payload) {
   return true;
 }
 
+}  // namespace
+
 bool has_header(const ModelInfo& info, std::span<const uint8_t> payload) {
   if (payload.size() < info.body_end() + info.tail.size) return false;
   if (info.header_size == 0) return has_block_flags(info, payload);
@@ -52,8 +54,6 @@ bool has_header(const ModelInfo& info, std::span<const uint8_t> payload) {
   if (info.header_size == 8) return payload[2] == info.lasers && payload[3] == info.blocks;
   return payload[2] == info.protocol && payload[6] == info.lasers && payload[7] == info.blocks;
 }
-
-}  // namespace
 
 const ModelInfo& model_info(Model model) { return kHesaiModels[static_cast<size_t>(model)]; }
 
@@ -68,6 +68,7 @@ std::optional<Model> find_model(std::string_view name) {
 }
 
 std::optional<Model> recognise(std::span<const uint8_t> payload) {
+  if (payload.empty() || payload[0] < 0xEE) return std::nullopt;  // the first byte of both marks
   for (const ModelInfo& info : kHesaiModels) {
     if (has_header(info, payload)) return info.model;
   }

@@ -68,6 +68,10 @@ std::span<const ModelInfo> models();
 /// out or put before ("XT32", "PandarXT-32").
 std::optional<Model> find_model(std::string_view name);
 
+/// True if a payload has the marks, version and numbers of channels and blocks of a model's data
+/// packets, and is long enough for its blocks and tail.
+bool has_header(const ModelInfo& info, std::span<const uint8_t> payload);
+
 /// Recognises the model of a data packet by its marks, its header's version and numbers of channels
 /// and blocks, and its size; nothing if it is no data packet of a supported model.
 std::optional<Model> recognise(std::span<const uint8_t> payload);

@@ -2,17 +2,14 @@
 
 #include <chrono>
 
+#include "drivers/lidar/azimuth.hpp"
+#include "drivers/lidar/little_endian.hpp"
+
 namespace infuse::hesai {
 namespace {
 
-constexpr int kTurn = 36'000;  // 0.01°
-
-constexpr uint16_t read_u16(const uint8_t* bytes) {
-  return static_cast<uint16_t>(bytes[0] | bytes[1] << 8);
-}
-constexpr uint32_t read_u32(const uint8_t* bytes) {
-  return static_cast<uint32_t>(read_u16(bytes)) | static_cast<uint32_t>(read_u16(bytes + 2)) << 16;
-}
+using lidar::read_u16;
+using lidar::read_u32;
 
 /// Where a packet's tail and its counter begin.
 struct TailPlace {
@@ -81,26 +78,27 @@ std::optional<int64_t> read_time(const TailLayout& layout, const uint8_t* tail) 
   return *second + microseconds * int64_t{1000};
 }
 
-/// Reads the azimuths of all firings; false if one is impossible.
-bool read_azimuths(const ModelInfo& info, std::span<const uint8_t> payload, Packet& packet) {
-  const uint8_t* first = payload.data() + info.header_size + info.block_prefix - 2;
-  for (size_t block = 0; block < info.blocks; ++block) {
-    const int azimuth = read_u16(first + block * info.block_size());
-    if (azimuth > kTurn) return false;
-    const auto wrapped = static_cast<uint16_t>(azimuth % kTurn);
-    uint16_t& of_firing = packet.azimuth[block / packet.returns];
-    if (block % packet.returns == 0) {
-      of_firing = wrapped;
-    } else if (of_firing != wrapped) {
-      return false;
-    }
+/// Azimuth of a firing, the same in all its blocks; `kNoAzimuth` if it is impossible.
+uint16_t read_azimuth(const ModelInfo& info, const Packet& packet, size_t firing,
+                      std::span<const uint8_t> payload) {
+  const uint8_t* at = payload.data() + info.header_size + info.block_prefix - 2 +
+                      firing * packet.returns * info.block_size();
+  const uint16_t azimuth = read_u16(at);
+  for (size_t i = 1; i < packet.returns; ++i) {
+    if (read_u16(at + i * info.block_size()) != azimuth) return lidar::kNoAzimuth;
   }
-  return true;
+  if (azimuth > lidar::kCentidegreesPerTurn) return lidar::kNoAzimuth;
+  return azimuth % lidar::kCentidegreesPerTurn;
 }
 
-bool has_headers(const ModelInfo& info, std::span<const uint8_t> payload) {
-  const auto model = recognise(payload);
-  return model && *model == info.model;
+/// Reads the azimuths of all firings; false if most are impossible.
+bool read_azimuths(const ModelInfo& info, std::span<const uint8_t> payload, Packet& packet) {
+  size_t possible = 0;
+  for (size_t firing = 0; firing < packet.sequences; ++firing) {
+    packet.azimuth[firing] = read_azimuth(info, packet, firing, payload);
+    possible += packet.azimuth[firing] != lidar::kNoAzimuth ? 1 : 0;
+  }
+  return 2 * possible > packet.sequences;
 }
 
 uint8_t distance_unit(const ModelInfo& info, std::span<const uint8_t> payload) {
@@ -171,18 +169,18 @@ const char* describe(PacketFault fault) {
     case PacketFault::kReturnMode:
       return "not a return mode of the model";
     case PacketFault::kAzimuth:
-      return "an azimuth above 360 degrees, or two azimuths in one firing";
+      return "most azimuths are above 360 degrees, or differ within a firing";
     case PacketFault::kTime:
       return "date or time of day do not exist";
   }
   return "";
 }
 
-tl::expected<Packet, PacketFault> parse_packet(const ModelInfo& info,
+tl::expected<Packet, PacketFault> parse_layout(const ModelInfo& info,
                                                std::span<const uint8_t> payload) {
   const auto place = find_tail(info, payload.size());
   if (!place) return tl::unexpected(PacketFault::kSize);
-  if (!has_headers(info, payload)) return tl::unexpected(PacketFault::kHeader);
+  if (!has_header(info, payload)) return tl::unexpected(PacketFault::kHeader);
   const uint8_t* tail = payload.data() + place->tail;
   Packet packet;
   packet.distance_unit_mm = distance_unit(info, payload);
@@ -192,14 +190,22 @@ tl::expected<Packet, PacketFault> parse_packet(const ModelInfo& info,
   if (returns == 0 || returns > info.max_returns) return tl::unexpected(PacketFault::kReturnMode);
   packet.returns = static_cast<uint8_t>(returns);
   packet.sequences = static_cast<uint8_t>(info.blocks / returns);
-  if (!read_azimuths(info, payload, packet)) return tl::unexpected(PacketFault::kAzimuth);
-  const auto time = read_time(info.tail, tail);
-  if (!time) return tl::unexpected(PacketFault::kTime);
-  packet.utc_ns = *time;
   packet.motor_speed = read_u16(tail + info.tail.motor_speed);
   packet.factory = tail[info.tail.factory];
   packet.loop = first_loop(info, tail);
+  packet.tail = static_cast<uint16_t>(place->tail);
   if (place->number) packet.number = read_u32(payload.data() + *place->number);
+  return packet;
+}
+
+tl::expected<Packet, PacketFault> parse_packet(const ModelInfo& info,
+                                               std::span<const uint8_t> payload) {
+  auto packet = parse_layout(info, payload);
+  if (!packet) return packet;
+  if (!read_azimuths(info, payload, *packet)) return tl::unexpected(PacketFault::kAzimuth);
+  const auto time = read_time(info.tail, payload.data() + packet->tail);
+  if (!time) return tl::unexpected(PacketFault::kTime);
+  packet->utc_ns = *time;
   return packet;
 }
 

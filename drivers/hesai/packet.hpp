@@ -37,7 +37,7 @@ enum class PacketFault : uint8_t {
   kHeader,      ///< marks, version, numbers of channels and blocks or unit of distance are not the
                 ///< model's
   kReturnMode,  ///< no return mode of the model
-  kAzimuth,     ///< above 360°, or the blocks of one firing differ in azimuth
+  kAzimuth,     ///< most azimuths are above 360°, or differ between the blocks of one firing
   kTime,        ///< date or time of day that does not exist
 };
 
@@ -52,12 +52,17 @@ struct Packet {
   uint8_t distance_unit_mm = 4;
   uint8_t factory = 0;       ///< the maker's mark, 0x42 or 0x43
   uint8_t loop = 0;          ///< QT128: firing sequence (0, 1) of the first firing
+  uint16_t tail = 0;         ///< byte at which the tail begins
   uint16_t motor_speed = 0;  ///< rpm
   int64_t utc_ns = 0;        ///< device time of the packet: since 1970, as far as the device knows
   std::optional<uint32_t> number;  ///< counter of packets; firmware may lack it
-  /// Azimuth of each firing, 0.01°, 0 … 35999, clockwise.
+  /// Azimuth of each firing, 0.01°, 0 … 35999, clockwise, or `lidar::kNoAzimuth`.
   std::array<uint16_t, kMaxBlocks> azimuth{};
 };
+
+/// Parses a payload without its azimuths and its time: how its returns are to be read.
+tl::expected<Packet, PacketFault> parse_layout(const ModelInfo& info,
+                                               std::span<const uint8_t> payload);
 
 /// Parses a payload: the manuals of the models, "Point Cloud Data Packet".
 tl::expected<Packet, PacketFault> parse_packet(const ModelInfo& info,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "drivers/hesai/hesai_maker.hpp"
 #include "drivers/velodyne/velodyne_maker.hpp"
 
 namespace infuse::makers {
@@ -10,7 +11,7 @@ namespace {
 /// The list. Where packets of two makers are alike, the one whose `classify` looks at more comes
 /// first.
 std::vector<const lidar::LidarMaker*>& list() {
-  static std::vector<const lidar::LidarMaker*> makers{&velodyne::maker()};
+  static std::vector<const lidar::LidarMaker*> makers{&hesai::maker(), &velodyne::maker()};
   return makers;
 }
 

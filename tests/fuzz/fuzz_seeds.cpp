@@ -23,6 +23,7 @@
 #include "fixtures/velodyne/db_xml.hpp"
 #include "fixtures/velodyne/position_encoder.hpp"
 #include "fusion/streetmap/map_from_image.hpp"
+#include "tests/drivers/hesai/made_turns.hpp"
 #include "tests/drivers/import/mat_bytes.hpp"
 #include "tests/drivers/lcm/lcm_bytes.hpp"
 #include "tests/drivers/recording/compress.hpp"
@@ -43,6 +44,23 @@ void write_seed(const std::filesystem::path& path, const Bytes& bytes) {
   std::ofstream(path, std::ios::binary)
       .write(reinterpret_cast<const char*>(bytes.data()),
              static_cast<std::streamsize>(bytes.size()));
+}
+
+/// As hesai_packet_fuzz reads it: the model, the bytes beyond its shortest packet, then packets.
+void write_hesai_packets(const std::filesystem::path& folder) {
+  for (const hesai::ModelInfo& info : hesai::models()) {
+    for (const hesai::ReturnMode mode :
+         {hesai::ReturnMode::kStrongest, hesai::ReturnMode::kLastStrongest}) {
+      const auto packets = hesai::make_turns(info.model, mode, 0.05);
+      const size_t beyond = packets[0].payload.size() - info.body_end() - info.tail.size;
+      std::vector<uint8_t> bytes = {static_cast<uint8_t>(info.model), static_cast<uint8_t>(beyond)};
+      for (size_t i = 0; i < std::min(packets.size(), kPacketsEach); ++i) {
+        bytes.insert(bytes.end(), packets[i].payload.begin(), packets[i].payload.end());
+      }
+      write_seed(folder / (std::string(info.name) + "_" + std::to_string(static_cast<int>(mode))),
+                 bytes);
+    }
+  }
 }
 
 /// As velodyne_packet_fuzz reads it: the model, then packets.
@@ -294,6 +312,7 @@ int main(int argc, char** argv) {
   }
   const std::filesystem::path folder = argv[1];
   write_data_packets(folder / "velodyne_packet_fuzz");
+  write_hesai_packets(folder / "hesai_packet_fuzz");
   write_captures(folder / "pcap_fuzz");
   const std::string sentence = fixtures::rmc_sentence(
       {.utc_ns = 1'700'000'000'000'000'000, .latitude = 0.8, .longitude = -2.1});

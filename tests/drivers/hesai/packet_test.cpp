@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "drivers/lidar/azimuth.hpp"
 #include "tests/drivers/hesai/made_packet.hpp"
 
 namespace infuse::hesai {
@@ -105,13 +106,15 @@ TEST(HesaiPacket, IsRefusedWithTheReason) {
   EXPECT_EQ(fault_of(Model::kXt32, {}), kSize);
   EXPECT_EQ(fault_of(Model::kXt32, {good.begin(), good.end() - 5}), kSize);
   EXPECT_EQ(fault_of(Model::kXt32, std::vector<uint8_t>(1500, 0xEE)), kSize);
-  EXPECT_EQ(fault_of(Model::kXt16, make_packet({.model = Model::kXt16, .azimuths = {36'001}})),
-            kAzimuth);
+  EXPECT_EQ(
+      fault_of(Model::kQt128, make_packet({.model = Model::kQt128, .azimuths = {36'001, 36'001}})),
+      kAzimuth);
   EXPECT_EQ(fault_of(Model::kXt32, make_packet({.date = {119, 2, 29, 0, 0, 0}})), kTime);
   EXPECT_EQ(fault_of(Model::kXt32, make_packet({.date = {119, 13, 1, 0, 0, 0}})), kTime);
   EXPECT_EQ(fault_of(Model::kXt32, make_packet({.date = {119, 1, 1, 24, 0, 0}})), kTime);
   EXPECT_EQ(fault_of(Model::kXt32, make_packet({.microseconds = 1'000'000})), kTime);
-  EXPECT_EQ(fault_of(Model::kXt32, make_packet({.mode = static_cast<ReturnMode>(0x36)})), kReturnMode);
+  EXPECT_EQ(fault_of(Model::kXt32, make_packet({.mode = static_cast<ReturnMode>(0x36)})),
+            kReturnMode);
   EXPECT_EQ(fault_of(Model::kXt32, make_packet({.mode = ReturnMode::kFirstLastStrongest})),
             kReturnMode);
   EXPECT_EQ(fault_of(Model::kXt32, make_packet({.unit_mm = 0})), kHeader);
@@ -120,12 +123,25 @@ TEST(HesaiPacket, IsRefusedWithTheReason) {
     wrong[at] ^= 0x55;
     EXPECT_EQ(fault_of(Model::kXt32, wrong), kHeader) << at;
   }
-  auto other = make_packet({.mode = ReturnMode::kLastStrongest, .azimuths = {100, 118, 136, 154}});
-  other[12 + 130] ^= 2;
-  EXPECT_EQ(fault_of(Model::kXt32, other), kAzimuth);
   for (const auto fault : {kSize, kHeader, kReturnMode, kAzimuth, kTime}) {
     EXPECT_STRNE(describe(fault), "");
   }
+}
+
+TEST(HesaiPacket, MarksSingleImpossibleAzimuths) {
+  const auto single = parse(Model::kXt32, make_packet({.azimuths = {10, 36'001, 46, 64, 36'000}}));
+  ASSERT_TRUE(single);
+  EXPECT_EQ(single->azimuth[0], 10);
+  EXPECT_EQ(single->azimuth[1], lidar::kNoAzimuth);
+  EXPECT_EQ(single->azimuth[4], 0);
+  auto bytes = make_packet({.mode = ReturnMode::kLastStrongest, .azimuths = {100, 118, 136, 154}});
+  bytes[12 + 130] ^= 2;  // of the first firing's second block
+  const auto dual = parse(Model::kXt32, bytes);
+  ASSERT_TRUE(dual);
+  EXPECT_EQ(dual->azimuth[0], lidar::kNoAzimuth);
+  EXPECT_EQ(dual->azimuth[1], 118);
+  bytes[12 + 3 * 130] ^= 2;
+  EXPECT_EQ(fault_of(Model::kXt32, bytes), PacketFault::kAzimuth);
 }
 
 TEST(HesaiPacket, OfAnyLengthAndDamageIsParsedWithinItsBounds) {
@@ -143,7 +159,9 @@ TEST(HesaiPacket, OfAnyLengthAndDamageIsParsedWithinItsBounds) {
       const auto packet = parse_packet(info, bytes);
       if (!packet) continue;
       ASSERT_LE(size_t{packet->sequences} * packet->returns, info.blocks);
-      for (size_t k = 0; k < packet->sequences; ++k) ASSERT_LT(packet->azimuth[k], 36'000);
+      for (size_t k = 0; k < packet->sequences; ++k) {
+        ASSERT_TRUE(packet->azimuth[k] < 36'000 || packet->azimuth[k] == lidar::kNoAzimuth);
+      }
     }
   }
 }
