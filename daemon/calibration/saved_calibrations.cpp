@@ -1,7 +1,6 @@
 #include "daemon/calibration/saved_calibrations.hpp"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "daemon/protocol/number_json.hpp"
 #include "drivers/recording/atomic_file.hpp"
@@ -10,8 +9,6 @@
 
 namespace infuse::daemon {
 namespace {
-
-using Json = nlohmann::json;
 
 constexpr size_t kMaxBytes = 1 << 20;
 constexpr size_t kMaxCameras = 64;
