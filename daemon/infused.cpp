@@ -65,7 +65,8 @@ void declare_options(CLI::App& app, RunOptions& options, Checks& checks) {
       ->type_name("FILE");
   app.add_option("--model", options.model, "replay: model of the lidar, if it cannot be inferred")
       ->type_name("NAME");
-  app.add_option("--calibration", options.calibration, "replay: db.xml of an HDL-64E")
+  app.add_option("--calibration", options.calibration,
+                 "replay: db.xml of an HDL-64E, angle file of a Hesai")
       ->type_name("FILE");
   app.add_flag("--json", options.json, "replay: print the summary as one JSON object");
   set_examples(app, {"infused --config /etc/infuse/infused.toml",

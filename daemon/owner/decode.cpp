@@ -206,7 +206,8 @@ Command declare_decode(CLI::App& infuse) {
   app->add_option("--lidar", arguments->lidar, "lidar, if there are several")->type_name("NAME");
   app->add_option("--model", arguments->model, "model of the lidar, if it cannot be inferred")
       ->type_name("NAME");
-  app->add_option("--calibration", arguments->calibration, "db.xml of an HDL-64E")
+  app->add_option("--calibration", arguments->calibration,
+                  "db.xml of an HDL-64E, angle file of a Hesai")
       ->type_name("FILE");
   app->add_flag("--single-origin", arguments->single_origin,
                 "all beams from one origin, as ROS drivers decode them; heights differ by up to "

@@ -75,7 +75,8 @@ Command declare_inspect(CLI::App& infuse) {
       ->required();
   app->add_option("--model", arguments->model, "model of the lidar, if it cannot be inferred")
       ->type_name("NAME");
-  app->add_option("--calibration", arguments->calibration, "db.xml of an HDL-64E")
+  app->add_option("--calibration", arguments->calibration,
+                  "db.xml of an HDL-64E, angle file of a Hesai")
       ->type_name("FILE");
   app->add_flag("--json", arguments->json, "print the result as one JSON object");
   set_examples(*app, {"infuse inspect drive.pcap", "infuse inspect captures/ --json"});

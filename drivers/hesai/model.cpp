@@ -1,9 +1,5 @@
 #include "drivers/hesai/model.hpp"
 
-#include <algorithm>
-#include <cctype>
-#include <string>
-
 namespace infuse::hesai {
 namespace {
 
@@ -14,28 +10,14 @@ constexpr TailLayout kQt128Tail{12, 13, 15, 21, 25, 26};
 constexpr TailLayout kXtTail{10, 11, 13, 19, 23, 24};
 
 constexpr std::array<ModelInfo, 7> kHesaiModels{{
-    {Model::kPandar40p, "Pandar40P", "40P", 40, 10, 0, 0, 4, 3, kPandarTail, Duration(55'560), 2},
-    {Model::kPandar64, "Pandar64", "PandarMind", 64, 6, 0, 8, 2, 3, kPandarTail, Duration(55'560),
-     2},
-    {Model::kQt64, "QT64", "PandarQT", 64, 4, 3, 12, 2, 4, kQt64Tail, Duration(166'667), 2},
-    {Model::kQt128, "QT128", "QT128C2X", 128, 2, 3, 12, 2, 4, kQt128Tail, Duration(111'110), 2},
-    {Model::kXt16, "XT16", "PandarXT16", 16, 8, 6, 12, 2, 4, kXtTail, Duration(50'000), 2},
-    {Model::kXt32, "XT32", "PandarXT", 32, 8, 6, 12, 2, 4, kXtTail, Duration(50'000), 2},
-    {Model::kXt32m, "XT32M", "XT32M2X", 32, 6, 6, 12, 2, 4, kXtTail, Duration(50'000), 3},
+    {Model::kPandar40p, "Pandar40P", 40, 10, 0, 0, 4, 3, kPandarTail, Duration(55'560), 2},
+    {Model::kPandar64, "Pandar64", 64, 6, 0, 8, 2, 3, kPandarTail, Duration(55'560), 2},
+    {Model::kQt64, "QT64", 64, 4, 3, 12, 2, 4, kQt64Tail, Duration(166'667), 2},
+    {Model::kQt128, "QT128", 128, 2, 3, 12, 2, 4, kQt128Tail, Duration(111'110), 2},
+    {Model::kXt16, "XT16", 16, 8, 6, 12, 2, 4, kXtTail, Duration(50'000), 2},
+    {Model::kXt32, "XT32", 32, 8, 6, 12, 2, 4, kXtTail, Duration(50'000), 2},
+    {Model::kXt32m, "XT32M", 32, 6, 6, 12, 2, 4, kXtTail, Duration(50'000), 3},
 }};
-
-std::string normalised(std::string_view name) {
-  constexpr std::string_view kPrefix = "pandar";
-  std::string text;
-  for (const char c : name) {
-    const auto letter = static_cast<unsigned char>(c);
-    if (std::isalnum(letter) != 0) text += static_cast<char>(std::tolower(letter));
-  }
-  const bool more_than_digits =
-      std::any_of(text.begin() + static_cast<ptrdiff_t>(std::min(kPrefix.size(), text.size())),
-                  text.end(), [](char c) { return c >= 'a'; });
-  return text.starts_with(kPrefix) && more_than_digits ? text.substr(kPrefix.size()) : text;
-}
 
 bool has_block_flags(const ModelInfo& info, std::span<const uint8_t> payload) {
   for (size_t block = 0; block < info.blocks; ++block) {
@@ -58,14 +40,6 @@ bool has_header(const ModelInfo& info, std::span<const uint8_t> payload) {
 const ModelInfo& model_info(Model model) { return kHesaiModels[static_cast<size_t>(model)]; }
 
 std::span<const ModelInfo> models() { return kHesaiModels; }
-
-std::optional<Model> find_model(std::string_view name) {
-  const std::string wanted = normalised(name);
-  for (const ModelInfo& info : kHesaiModels) {
-    if (wanted == normalised(info.name) || wanted == normalised(info.alias)) return info.model;
-  }
-  return std::nullopt;
-}
 
 std::optional<Model> recognise(std::span<const uint8_t> payload) {
   if (payload.empty() || payload[0] < 0xEE) return std::nullopt;  // the first byte of both marks

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <string_view>
 
 #include "drivers/measurement/stamp.hpp"
 
@@ -41,7 +40,6 @@ struct TailLayout {
 struct ModelInfo {
   Model model;
   const char* name;      ///< "XT32", as in drive.toml and in text
-  const char* alias;     ///< the maker's other name
   uint16_t lasers;       ///< number of beams
   uint8_t blocks;        ///< in a packet
   uint8_t protocol;      ///< major version in the 12-byte header; 0: another header, or none
@@ -63,10 +61,6 @@ const ModelInfo& model_info(Model model);
 
 /// All models, in the order of the enumeration.
 std::span<const ModelInfo> models();
-
-/// Finds a model by name; only letters and digits count, case does not, and "Pandar" may be left
-/// out or put before ("XT32", "PandarXT-32").
-std::optional<Model> find_model(std::string_view name);
 
 /// True if a payload has the marks, version and numbers of channels and blocks of a model's data
 /// packets, and is long enough for its blocks and tail.

@@ -7,22 +7,6 @@
 namespace infuse::hesai {
 namespace {
 
-TEST(HesaiModel, IsFoundByTheNamesThatPeopleUse) {
-  EXPECT_EQ(find_model("XT32"), Model::kXt32);
-  EXPECT_EQ(find_model("PandarXT-32"), Model::kXt32);
-  EXPECT_EQ(find_model("pandar xt16"), Model::kXt16);
-  EXPECT_EQ(find_model("XT32M2X"), Model::kXt32m);
-  EXPECT_EQ(find_model("Pandar40P"), Model::kPandar40p);
-  EXPECT_EQ(find_model("Pandar64"), Model::kPandar64);
-  EXPECT_EQ(find_model("PandarQT"), Model::kQt64);
-  EXPECT_EQ(find_model("PandarQT64"), Model::kQt64);
-  EXPECT_EQ(find_model("QT128C2X"), Model::kQt128);
-  EXPECT_FALSE(find_model("64"));
-  EXPECT_FALSE(find_model("Pandar"));
-  EXPECT_FALSE(find_model(""));
-  EXPECT_FALSE(find_model("VLP-16"));
-}
-
 TEST(HesaiModel, IsRecognisedFromAPacket) {
   for (const ModelInfo& info : models()) {
     for (const bool has_number : {false, true}) {
