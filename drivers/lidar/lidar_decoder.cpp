@@ -7,6 +7,15 @@ namespace {
 
 constexpr uint64_t kPacketsPerComparison = 64;
 
+/// What the assembler cannot use, as static text; null if nothing.
+const char* find_impossible(const PacketHeader& header) {
+  if (header.counter < Duration(0) || header.counter > kMaxCounter) {
+    return "an impossible device time";
+  }
+  return header.sequences == 0 || header.sequences > kMaxSequences ? "no firing sequences"
+                                                                   : nullptr;
+}
+
 }  // namespace
 
 LidarDecoder::LidarDecoder(const DecoderOptions& options, const ClockModelOptions& clock,
@@ -48,9 +57,7 @@ void LidarDecoder::push_data(const Datagram& datagram, bool data_packet) {
   if (sender_.refuses(datagram.sender)) return reject_sender(datagram);
   PacketHeader header;
   const char* fault = parse(datagram.payload, header);
-  if (fault == nullptr && (header.counter < Duration(0) || header.counter > kMaxCounter)) {
-    fault = "an impossible device time";
-  }
+  if (fault == nullptr) fault = find_impossible(header);
   if (fault != nullptr) {
     if (sender_.sender() != 0 && datagram.sender != sender_.sender()) {
       return reject_sender(datagram);

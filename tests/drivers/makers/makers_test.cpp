@@ -108,6 +108,18 @@ TEST(MadeUpMaker, NumbersOfPacketsTellLossesExactly) {
   EXPECT_EQ(decoder->counters().lost_network, 102U);
 }
 
+TEST(MadeUpMaker, AnImpossibleTimeIsMalformed) {
+  const auto decoder = made_up::maker().make_decoder({.model = &made_up::model()}).value();
+  for (const uint8_t top : {uint8_t{0x80}, uint8_t{0x7F}}) {
+    auto payload = made_up::packet(0, kStart, 10);
+    payload[15] = top;
+    decoder->push({kStart, 1, 7777, 7777, payload});
+  }
+  EXPECT_EQ(decoder->counters().malformed, 2U);
+  EXPECT_STREQ(decoder->counters().malformed_reason, "an impossible device time");
+  EXPECT_EQ(decoder->counters().packets, 0U);
+}
+
 // The list is the program's: this test comes last.
 TEST(Makers, ACaptureMayHoldSeveralMakersAndNoise) {
   add(made_up::maker());
