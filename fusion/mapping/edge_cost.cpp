@@ -41,12 +41,12 @@ Square<3> rotation_of_half(const Eigen::Vector3d& h) {
 }
 
 /// The nearest rotation, up to the square of a small error.
-Square<2> nearest_rotation(const Square<2>& R) {
+Square<2> renormalised(const Square<2>& R) {
   const Eigen::Vector2d x = Eigen::Vector2d(R(0, 0) + R(1, 1), R(1, 0) - R(0, 1)).normalized();
   return Square<2>{{x[0], -x[1]}, {x[1], x[0]}};
 }
 
-Square<3> nearest_rotation(const Square<3>& R) { return infuse::orthonormal(R); }
+Square<3> renormalised(const Square<3>& R) { return infuse::orthonormal(R); }
 
 /// Residuals, T_from_to⁻¹ T_map_from⁻¹ T_map_to being the error E of an edge.
 template <int D>
@@ -198,7 +198,7 @@ Pose<D> perturb(const Pose<D>& T, const Eigen::Matrix<double, kPoseFreedom<D>, 1
     R = rotation_of_half(Eigen::Vector3d(delta.template tail<3>() / 2));
   }
   Pose<D> moved;
-  moved.linear() = nearest_rotation(Square<D>(T.linear() * R));
+  moved.linear() = renormalised(Square<D>(T.linear() * R));
   moved.translation() = T.translation() + T.linear() * delta.template head<D>();
   return moved;
 }
