@@ -4,12 +4,10 @@
 
 #include <algorithm>
 
+#include "drivers/makers/makers.hpp"
+
 namespace infuse::daemon {
 namespace {
-
-// Velodyne's sensors turn 5 to 20 times per second.
-constexpr double kMinTurnsHz = 4.5;
-constexpr double kMaxTurnsHz = 21;
 
 /// Collects the problems of one lidar.
 class Problems {
@@ -18,6 +16,14 @@ class Problems {
 
   void add(bool holds, Level level, const std::string& what) {
     if (holds) list_.push_back({level, device_.name + ": " + what});
+  }
+
+  /// Of the rate of turning, by the limits of the model; of an unknown one there is none.
+  void add_turns(const lidar::LidarModel* model, double turns_hz) {
+    if (model == nullptr) return;
+    add(turns_hz < 0.9 * model->min_turns_hz || turns_hz > 1.05 * model->max_turns_hz, Level::kWarn,
+        fmt::format("it turns {:.2f} times per second; a {} turns {} to {} times", turns_hz,
+                    model->maker->name(), model->min_turns_hz, model->max_turns_hz));
   }
 
   std::vector<LidarProblem> list() && { return std::move(list_); }
@@ -35,6 +41,7 @@ double excess_sweeps(const LidarCounters& c) {
 }  // namespace
 
 std::vector<LidarProblem> find_problems(const Device& device, const LidarCounters& c) {
+  const lidar::LidarModel* model = makers::find_model(device.model);
   Problems problems(device);
   const bool turns = c.turns_hz > 0.1;
   problems.add(c.malformed > 0, c.malformed > c.packets ? Level::kError : Level::kWarn,
@@ -51,11 +58,10 @@ std::vector<LidarProblem> find_problems(const Device& device, const LidarCounter
       c.uncalibrated_sweeps > 0, Level::kWarn,
       fmt::format(
           "{} of {} sweeps were decoded with the calibration of another unit, which is wrong "
-          "by decimetres; give this unit's db.xml with --calibration",
-          c.uncalibrated_sweeps, c.sweeps));
-  problems.add(
-      turns && (c.turns_hz < kMinTurnsHz || c.turns_hz > kMaxTurnsHz), Level::kWarn,
-      fmt::format("it turns {:.2f} times per second; a Velodyne turns 5 to 20 times", c.turns_hz));
+          "by decimetres; give this unit's {} with --calibration",
+          c.uncalibrated_sweeps, c.sweeps,
+          model != nullptr ? model->maker->calibration_file() : "calibration"));
+  if (turns) problems.add_turns(model, c.turns_hz);
   problems.add(!turns && c.turns_measured, Level::kWarn, "it does not turn");
   // A sweep more at either end, and as many as turns for a sensor that scans a part of the turn.
   problems.add(turns && excess_sweeps(c) > 3 + 0.5 * static_cast<double>(c.sweeps), Level::kError,

@@ -16,7 +16,6 @@
 #include "drivers/camera/png_encoder.hpp"
 #include "drivers/recording/sweep_export.hpp"
 #include "drivers/text/text_file.hpp"
-#include "drivers/velodyne/beam_origins.hpp"
 
 namespace infuse::daemon {
 namespace {

@@ -33,7 +33,7 @@ struct FolderImportSummary {
 
 /// Converts files that a description names to a drive. Paths are relative to the description's
 /// folder and must stay inside it. Captures, sweeps and images are checked before anything is
-/// written: packets of a Velodyne lidar on the port, images of the stated size, and some within the
+/// written: packets of a lidar on the port, images of the stated size, and some within the
 /// time of the lidars. `drive` must not exist or be empty.
 Result<FolderImportSummary> import_folder(const std::filesystem::path& description,
                                           const std::filesystem::path& drive);

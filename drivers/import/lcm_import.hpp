@@ -16,7 +16,7 @@ struct LcmChannel {
   size_t messages = 0;
   size_t smallest = 0, largest = 0;  ///< messages, bytes
   Stamp first, last;                 ///< when they were logged
-  bool has_data = false;             ///< data packets of a Velodyne lidar
+  bool has_data = false;             ///< data packets of a lidar
   bool has_positions = false;        ///< position packets
   bool has_own_times = false;        ///< a time stands before each packet
   StampLag lag;                      ///< of these times, of the first messages
@@ -34,7 +34,7 @@ struct LcmImportSummary {
 };
 
 /// Converts logs of LCM, which are read one after the other, to a drive. Each channel with data
-/// packets of a Velodyne lidar (`find_packets`) becomes a capture. A packet has the time that
+/// packets of a lidar (`find_packets`) becomes a capture. A packet has the time that
 /// stands before it, if in the channel's first messages there is one within 10 s of the time at
 /// which the message was logged; else that. Fails if there are no packets, and names the channels.
 /// `drive` must not exist or be empty.

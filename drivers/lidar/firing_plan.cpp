@@ -21,15 +21,15 @@ void retime_after_jump(FiringPlan& plan, size_t first, int64_t following_ns, int
 
 }  // namespace
 
-FiringPlan plan_firings(std::span<const uint16_t> azimuths,
-                        const std::optional<FollowingPacket>& following, int previous_step,
-                        const SequenceTiming& timing) {
-  FiringPlan plan;
+void plan_firings(std::span<const uint16_t> azimuths,
+                  const std::optional<FollowingPacket>& following, int previous_step,
+                  const SequenceTiming& timing, FiringPlan& plan) {
   plan.count = azimuths.size();
   int step = std::clamp(previous_step, 0, timing.max_step);
   size_t after_last_jump = 0;
   for (size_t i = 0; i < plan.count; ++i) {
     PlannedSequence& now = plan.sequences[i];
+    now = {};
     now.azimuth = azimuths[i];
     if (i > 0) {
       const PlannedSequence& before = plan.sequences[i - 1];
@@ -47,7 +47,7 @@ FiringPlan plan_firings(std::span<const uint16_t> azimuths,
     }
     now.step = static_cast<uint16_t>(step);
   }
-  if (!following) return plan;
+  if (!following) return;
 
   if (after_last_jump > 0) {
     retime_after_jump(plan, after_last_jump, following->delay_ns, timing.period_ns);
@@ -58,7 +58,6 @@ FiringPlan plan_firings(std::span<const uint16_t> azimuths,
   if (std::abs(gap_ns) <= timing.period_ns / 2 && advance <= timing.max_step) {
     last.step = static_cast<uint16_t>(std::max(advance, 0));
   }
-  return plan;
 }
 
 }  // namespace infuse::lidar

@@ -42,14 +42,14 @@ struct SequenceTiming {
   int max_step = 0;       ///< 0.01°; a larger step is a jump, not a rotation
 };
 
-/// Returns azimuth, step and time of each sequence in a packet whose sequences begin at `azimuths`
+/// Plans azimuth, step and time of each sequence in a packet whose sequences begin at `azimuths`
 /// (0.01°, at most `kMaxSequences`). Azimuth is linear from sequence to sequence. The last step
 /// comes from the following packet if that follows directly; otherwise it is the step before it
 /// (`previous_step` if there is none). Over a jump inside the packet (a sensor configured to scan a
 /// part of the turn) nothing is interpolated; the sequences after it are timed backwards from the
 /// following packet, or by the rate of rotation without one.
-FiringPlan plan_firings(std::span<const uint16_t> azimuths,
-                        const std::optional<FollowingPacket>& following, int previous_step,
-                        const SequenceTiming& timing);
+void plan_firings(std::span<const uint16_t> azimuths,
+                  const std::optional<FollowingPacket>& following, int previous_step,
+                  const SequenceTiming& timing, FiringPlan& plan);
 
 }  // namespace infuse::lidar

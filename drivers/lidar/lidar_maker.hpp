@@ -75,6 +75,9 @@ class LidarMaker {
   virtual Result<std::shared_ptr<const UnitCalibration>> load_calibration(
       const LidarModel& model, const std::filesystem::path& file) const;
 
+  /// What the maker calls such a file.
+  virtual const char* calibration_file() const { return "calibration file"; }
+
   /// Ports as they come from the factory.
   virtual LidarPorts ports() const { return {}; }
 

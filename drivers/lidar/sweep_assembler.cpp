@@ -120,7 +120,7 @@ void SweepAssembler::begin_decoding(const ReceivedPacket* following) {
       following->header.azimuth[0] != kNoAzimuth) {
     next = FollowingPacket{following->header.azimuth[0], following->device_ns - held_->device_ns};
   }
-  plan_ = plan_firings(held_->header.azimuths(), next, last_decoded_.step, timing_);
+  plan_firings(held_->header.azimuths(), next, last_decoded_.step, timing_, plan_);
   plan_cuts();
   if (cutter_.partial_turn()) add_steps(plan_, timing_.period_ns, rotation_);
   last_decoded_ = {true, plan_.last().azimuth, plan_.last().step,
@@ -140,13 +140,7 @@ void SweepAssembler::plan_cuts() {
     detect_gap(plan_.sequences[0]);
     lossy_jump = plan_.sequences[0].after_jump && lost_before_first_ > 0;
   }
-  for (size_t i = 0; i < plan_.count; ++i) {
-    const PlannedSequence& sequence = plan_.sequences[i];
-    cut_before_[i] =
-        i == 0 && lossy_jump
-            ? cutter_.process_lossy_jump(sequence.azimuth)
-            : cutter_.process_sequence(sequence.azimuth, sequence.advance, sequence.after_jump);
-  }
+  cutter_.process_packet(plan_, lossy_jump, cut_before_);
 }
 
 /// Replaces azimuths of the held packet that cannot be the sensor's.

@@ -33,6 +33,16 @@ bool SweepCutter::process_lossy_jump(int azimuth) {
   return true;
 }
 
+void SweepCutter::process_packet(const FiringPlan& plan, bool lossy_jump,
+                                 std::array<bool, kMaxSequences>& begins) {
+  for (size_t i = 0; i < plan.count; ++i) {
+    const PlannedSequence& sequence = plan.sequences[i];
+    begins[i] = i == 0 && lossy_jump
+                    ? process_lossy_jump(sequence.azimuth)
+                    : process_sequence(sequence.azimuth, sequence.advance, sequence.after_jump);
+  }
+}
+
 int64_t SweepCutter::pause_within(int from, int64_t gap_ns, int64_t period_ns,
                                   const RotationRate& rotation) const {
   constexpr double kTolerance = 200;  // 0.01°

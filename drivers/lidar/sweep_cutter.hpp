@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "drivers/lidar/azimuth.hpp"
+#include "drivers/lidar/firing_plan.hpp"
 
 namespace infuse::lidar {
 
@@ -44,6 +46,11 @@ class SweepCutter {
   /// Processes a sequence after lost packets and the part that the sensor does not scan: a new
   /// sweep begins, but its edges are not those of that part.
   bool process_lossy_jump(int azimuth);
+
+  /// Processes the sequences of a packet; `lossy_jump`: the first one so. Sets for each whether a
+  /// new sweep begins with it.
+  void process_packet(const FiringPlan& plan, bool lossy_jump,
+                      std::array<bool, kMaxSequences>& begins);
 
   /// Starts over: the next sequence has no relation to earlier ones.
   void restart() { started_ = false; }

@@ -34,8 +34,11 @@ class Maker final : public lidar::LidarMaker {
  public:
   Maker() {
     for (const ModelInfo& info : velodyne::models()) {
-      models_[static_cast<size_t>(info.model)] = {this, info.name, info.lasers,
-                                                  info.calibrated_per_unit, info.has_dual_return};
+      models_[static_cast<size_t>(info.model)] = {.maker = this,
+                                                  .name = info.name,
+                                                  .beams = info.lasers,
+                                                  .calibrated_per_unit = info.calibrated_per_unit,
+                                                  .has_dual_return = info.has_dual_return};
     }
   }
 
@@ -71,6 +74,8 @@ class Maker final : public lidar::LidarMaker {
     }
     return std::make_shared<UnitCalibration>(*loaded);
   }
+
+  const char* calibration_file() const override { return "db.xml"; }
 
   std::optional<GnssFix> read_fix(const Datagram& datagram) const override {
     const auto packet = parse_position_packet(datagram.payload);

@@ -199,7 +199,7 @@ Json channels_json(const importers::LcmImportSummary& imported) {
 
 void print_channel(const importers::LcmChannel& channel) {
   std::string text =
-      channel.use.empty() ? "not taken: no packets of a Velodyne lidar" : channel.use;
+      channel.use.empty() ? "not taken: no packets of a lidar" : channel.use;
   if (channel.use.empty() && channel.has_positions) text = "not taken";
   const std::string lag = lag_text(channel.lag);
   if (!channel.use.empty()) text += "; " + (lag.empty() ? "stamps are the log times" : lag);
@@ -284,7 +284,7 @@ Command declare_import(CLI::App& infuse) {
       app->add_subcommand("opencalib", "one scene of OpenCalib's lidar-to-camera data");
   CLI::App* rosbag = app->add_subcommand("rosbag", "recordings of ROS 2 (MCAP, SQLite) and ROS 1");
   const auto from_rosbag = declare_rosbag(rosbag);
-  CLI::App* lcm = app->add_subcommand("lcm", "packets of Velodyne lidars in logs of LCM");
+  CLI::App* lcm = app->add_subcommand("lcm", "packets of lidars in logs of LCM");
   const auto from_lcm = declare_lcm(lcm);
   const auto from_kitti = declare(kitti, "DIR", "folder of the data set");
   CLI::App* ford = app->add_subcommand("ford", "a trial of the Ford Campus data set");

@@ -86,7 +86,7 @@ class Maker final : public lidar::LidarMaker {
         &model(), Duration(static_cast<int64_t>(lidar::read_u64(&payload[8]))),
         lidar::read_u16(&payload[kHeader])};
   }
-  lidar::LidarModel model_{this, "Ringer 4", kBeams, false, false};
+  lidar::LidarModel model_{.maker = this, .name = "Ringer 4", .beams = kBeams};
 };
 
 inline const Maker& maker() {
