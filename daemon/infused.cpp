@@ -1,8 +1,6 @@
 // infused: the daemon. Runs the pipeline on the sensors of this host or on a recorded drive.
 
-#include <net/if.h>
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <iostream>
@@ -11,11 +9,10 @@
 #include "daemon/command_line/version.hpp"
 #include "daemon/config/config.hpp"
 #include "daemon/process/logging.hpp"
-#include "daemon/run/daemon_host.hpp"
-#include "daemon/run/release_check.hpp"
 #include "daemon/run/run_live.hpp"
 #include "daemon/run/run_replay.hpp"
-#include "daemon/sensors/live_setup.hpp"
+#include "daemon/service/config_check.hpp"
+#include "daemon/service/release_check.hpp"
 #include "drivers/measurement/block_sizes.hpp"
 
 namespace infuse::daemon {
@@ -73,36 +70,13 @@ void declare_options(CLI::App& app, RunOptions& options, Checks& checks) {
                      "infused --replay drive/ --rate 1 --json"});
 }
 
-/// Prints what is probably unintended, and what does not exist yet: the daemon waits for it.
-void print_notes(const LiveSetup& setup) {
-  for (const auto* notes : {&setup.vehicle.notes, &setup.doubts}) {
-    for (const Error& each : *notes) std::cout << "note: " << each.message() << "\n";
-  }
-  const auto note = [](const std::string& what) {
-    std::cout << "note: " << what << " does not exist at present\n";
-  };
-  for (const auto& bus : setup.interfaces) {
-    if (::if_nametoindex(bus.interface.c_str()) == 0) note("interface " + bus.interface);
-  }
-  for (const auto& camera : setup.camera_streams) {
-    if (::access(camera.device.c_str(), F_OK) != 0) note(camera.device);
-  }
-  if (setup.gnss && ::access(setup.gnss->device.c_str(), F_OK) != 0) note(setup.gnss->device);
-}
-
 int check(const RunOptions& options, const Config& config) {
   if (options.config.empty()) {
     return print_error(kProgram, {"no configuration to check", "", "--config FILE"}, kUsage);
   }
-  const auto setup = set_up_live(config);
-  if (!setup) return print_error(kProgram, setup.error(), kUsage);
-  if (const auto map = open_place_map(config); !map) {
-    return print_error(kProgram, map.error(), kUsage);
+  if (const auto checked = check_config(config, std::cout); !checked) {
+    return print_error(kProgram, checked.error(), kUsage);
   }
-  if (const auto map = open_street_map(config); !map) {
-    return print_error(kProgram, map.error(), kUsage);
-  }
-  print_notes(*setup);
   std::cout << options.config << ": the configuration is valid\n";
   return kDone;
 }

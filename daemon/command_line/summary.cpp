@@ -3,7 +3,6 @@
 #include <spdlog/fmt/fmt.h>
 #include <sys/resource.h>
 
-#include "daemon/command_line/lidar_problems.hpp"
 #include "daemon/pipeline/fusion_thread.hpp"
 #include "daemon/process/process_times.hpp"
 #include "drivers/measurement/angles.hpp"
@@ -27,7 +26,7 @@ uint64_t count_lost(const LidarCounters& counters) {
 
 uint64_t sum_over_lidars(const Summary& summary, uint64_t (*quantity)(const LidarCounters&)) {
   uint64_t total = 0;
-  for (const LidarCounters& counters : summary.totals.counters) total += quantity(counters);
+  for (const LidarCounters& counters : summary.totals.counters.lidars) total += quantity(counters);
   return total;
 }
 
@@ -44,7 +43,7 @@ const StageStats* total_stage(const Summary& summary) {
   return summary.totals.host.stages.empty() ? nullptr : &summary.totals.host.stages.back();
 }
 
-Json device_json(const Device& device, const LidarCounters& c, Level level) {
+Json lidar_json(const Device& device, const LidarCounters& c, Level level) {
   return {{"device", device.name},
           {"model", device.model},
           {"model_reason", device.model_reason},
@@ -116,6 +115,30 @@ std::string clock_text(const ClockState& clock) {
   return text;
 }
 
+std::string lidar_text(const Device& device, const LidarCounters& c, Level level) {
+  std::string text = fmt::format("  {}: {}, {} ({})\n", device.name, device.model, name_of(level),
+                                 device.model_reason);
+  text += fmt::format("    {} packets ({:.1f}/s), {} lost{}\n", c.packets,
+                      rate(c.packets, active_duration(c)), count_lost(c), causes_text(c));
+  text += fmt::format(
+      "    {} ({:.2f}/s), {} returns ({:.0f} per sweep)\n", counted(c.sweeps, "sweep"),
+      sweep_rate(c), c.returns,
+      c.sweeps == 0 ? 0.0 : static_cast<double>(c.returns) / static_cast<double>(c.sweeps));
+  if (c.position_packets > 0) text += fmt::format("    {} position packets\n", c.position_packets);
+  return text + "    clock: " + clock_text(c.clock) + "\n";
+}
+
+std::string stream_text(const Device& device, const StreamCounters& c, Level level) {
+  std::string text = fmt::format("  {}: {} {}, {}\n    {} received ({:.1f}/s), {} used",
+                                 device.name, device.kind, device.model, name_of(level), c.received,
+                                 rate(c.received, c.last - c.first), c.used);
+  if (c.refused > 0) text += fmt::format(", {} rejected", c.refused);
+  if (c.lost > 0) text += fmt::format(", {} missing", c.lost);
+  if (c.out_of_order > 0)
+    text += fmt::format(", {} with a stamp before the previous one", c.out_of_order);
+  return text + "\n";
+}
+
 }  // namespace
 
 double peak_memory_mb() {
@@ -126,7 +149,7 @@ double peak_memory_mb() {
 
 Summary summarise(const Replay& replay) {
   return {.path = replay.setup().path,
-          .devices = replay.setup().devices,
+          .sensors = replay.totals().started ? replay.setup().sensors() : std::vector<Sensor>(),
           .totals = replay.totals(),
           .has_odometry = replay.totals().odometry.present,
           .notes = replay.notes()};
@@ -158,14 +181,13 @@ Json to_json(const Summary& summary) {
   json["devices"] = Json::array();
   json["streams"] = Json::array();
   const Totals& totals = summary.totals;
-  const size_t lidars = totals.counters.size();
-  for (size_t i = 0; i < lidars; ++i) {
-    json["devices"].push_back(
-        device_json(summary.devices[i], totals.counters[i], totals.levels[i]));
-  }
-  for (size_t i = 0; i < totals.streams.size(); ++i) {
-    json["streams"].push_back(
-        stream_json(summary.devices[lidars + i], totals.streams[i], totals.levels[lidars + i]));
+  for (const auto& [id, device] : summary.sensors) {
+    const Level level = level_of(id, totals.levels);
+    if (id.kind == SensorKind::kLidar) {
+      json["devices"].push_back(lidar_json(device, totals.counters.lidars.at(id.index), level));
+    } else {
+      json["streams"].push_back(stream_json(device, totals.counters.stream(id), level));
+    }
   }
   if (summary.has_odometry) json["odometry"] = odometry_json(totals.odometry);
   json["notes"] = Json::array();
@@ -173,28 +195,21 @@ Json to_json(const Summary& summary) {
   return json;
 }
 
-std::string device_text(const Device& device, const LidarCounters& c, Level level) {
-  std::string text = fmt::format("  {}: {}, {} ({})\n", device.name, device.model, name_of(level),
-                                 device.model_reason);
-  text += fmt::format("    {} packets ({:.1f}/s), {} lost{}\n", c.packets,
-                      rate(c.packets, active_duration(c)), count_lost(c), causes_text(c));
-  text += fmt::format(
-      "    {} ({:.2f}/s), {} returns ({:.0f} per sweep)\n", counted(c.sweeps, "sweep"),
-      sweep_rate(c), c.returns,
-      c.sweeps == 0 ? 0.0 : static_cast<double>(c.returns) / static_cast<double>(c.sweeps));
-  if (c.position_packets > 0) text += fmt::format("    {} position packets\n", c.position_packets);
-  return text + "    clock: " + clock_text(c.clock) + "\n";
+std::string sensor_text(const Sensor& sensor, const Totals& totals) {
+  const auto& [id, device] = sensor;
+  const Level level = level_of(id, totals.levels);
+  if (id.kind != SensorKind::kLidar) return stream_text(device, totals.counters.stream(id), level);
+  return lidar_text(device, totals.counters.lidars.at(id.index), level);
 }
 
-std::string stream_text(const Device& device, const StreamCounters& c, Level level) {
-  std::string text = fmt::format("  {}: {} {}, {}\n    {} received ({:.1f}/s), {} used",
-                                 device.name, device.kind, device.model, name_of(level), c.received,
-                                 rate(c.received, c.last - c.first), c.used);
-  if (c.refused > 0) text += fmt::format(", {} rejected", c.refused);
-  if (c.lost > 0) text += fmt::format(", {} missing", c.lost);
-  if (c.out_of_order > 0)
-    text += fmt::format(", {} with a stamp before the previous one", c.out_of_order);
-  return text + "\n";
+std::vector<LidarProblem> find_problems(const Summary& summary) {
+  std::vector<LidarProblem> all;
+  for (const auto& [id, device] : summary.sensors) {
+    if (id.kind != SensorKind::kLidar) continue;
+    const auto found = find_problems(device, summary.totals.counters.lidars.at(id.index));
+    all.insert(all.end(), found.begin(), found.end());
+  }
+  return all;
 }
 
 std::string odometry_text(const OdometryStatus& odometry) {
@@ -231,13 +246,7 @@ std::string to_text(const Summary& summary) {
       fmt::format("{}: {:.1f} s of drive in {:.2f} s ({:.1f} × real time){}\n",
                   summary.path.string(), drive_s(summary), summary.host_s, realtime_factor(summary),
                   summary.stopped ? ", stopped early" : "");
-  const size_t lidars = totals.counters.size();
-  for (size_t i = 0; i < lidars; ++i) {
-    text += device_text(summary.devices[i], totals.counters[i], totals.levels[i]);
-  }
-  for (size_t i = 0; i < totals.streams.size(); ++i) {
-    text += stream_text(summary.devices[lidars + i], totals.streams[i], totals.levels[lidars + i]);
-  }
+  for (const Sensor& sensor : summary.sensors) text += sensor_text(sensor, totals);
   if (summary.has_odometry) text += odometry_text(totals.odometry);
   if (const StageStats* total = total_stage(summary)) {
     text += "  latency of each stage\n";
@@ -255,10 +264,8 @@ std::string to_text(const Summary& summary) {
         fmt::format("  alert after {:.0f} s: {}: {} ({})\n", to_seconds(alert.stamp - totals.start),
                     alert.device, alert.finding.what, alert.finding.advice);
   }
-  for (size_t i = 0; i < lidars; ++i) {
-    for (const LidarProblem& problem : find_problems(summary.devices[i], totals.counters[i])) {
-      text += "  problem: " + problem.what + "\n";
-    }
+  for (const LidarProblem& problem : find_problems(summary)) {
+    text += "  problem: " + problem.what + "\n";
   }
   for (const Error& note : summary.notes) text += "  note: " + note.message() + "\n";
   return text;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/command_line/lidar_problems.hpp"
 #include "daemon/pipeline/replay.hpp"
 #include "daemon/protocol/json.hpp"
 #include "daemon/protocol/reports.hpp"
@@ -14,7 +15,7 @@ namespace infuse::daemon {
 /// Result of a replay.
 struct Summary {
   std::filesystem::path path;
-  std::vector<Device> devices;
+  std::vector<Sensor> sensors;  ///< none if the drive was empty
   Totals totals;
   bool has_odometry = false;  ///< true if the drive has a source of odometry
   std::vector<Error> notes;   ///< problems of the files
@@ -34,11 +35,11 @@ std::string to_text(const Summary& summary);
 /// Collects the summary of a finished replay; `host_s` and `stopped` are left to the caller.
 Summary summarise(const Replay& replay);
 
-/// Formats the counters of one lidar as several lines of text.
-std::string device_text(const Device& device, const LidarCounters& counters, Level level);
+/// Formats the counters of one sensor as several lines of text.
+std::string sensor_text(const Sensor& sensor, const Totals& totals);
 
-/// Formats the counters of a camera, a CAN bus, an IMU or a GNSS receiver.
-std::string stream_text(const Device& device, const StreamCounters& counters, Level level);
+/// Finds the problems of all lidars.
+std::vector<LidarProblem> find_problems(const Summary& summary);
 
 /// Formats the state of odometry, one or two lines.
 std::string odometry_text(const OdometryStatus& odometry);

@@ -143,6 +143,16 @@ Result<uint16_t> MetricsServer::listen_tcp(uint16_t port) {
   });
 }
 
+Result<void> MetricsServer::listen(const MetricsSettings& settings) {
+  if (!settings.path.empty()) {
+    if (auto listening = listen(std::filesystem::path(settings.path)); !listening) {
+      return listening;
+    }
+  }
+  if (settings.port == 0) return {};
+  return listen_tcp(settings.port).map([](uint16_t) {});
+}
+
 void MetricsServer::finish() {
   ErrorCode ignored;
   local_.close(ignored);

@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 
+#include "daemon/config/metrics_settings.hpp"
 #include "drivers/measurement/error.hpp"
 
 namespace infuse::daemon {
@@ -27,6 +28,9 @@ class MetricsServer {
 
   /// Listens on the IPv4 loopback and returns the port; `port` 0 selects a free one.
   Result<uint16_t> listen_tcp(uint16_t port);
+
+  /// Listens at the configured endpoints.
+  Result<void> listen(const MetricsSettings& settings);
 
   /// Sets the body of the response.
   void set_text(std::string text) { *text_ = std::move(text); }

@@ -13,6 +13,7 @@
 #include "daemon/playback/find_lidar.hpp"
 #include "daemon/playback/play_lidar.hpp"
 #include "daemon/protocol/json.hpp"
+#include "daemon/setup/drive_setup.hpp"
 #include "drivers/camera/png_encoder.hpp"
 #include "drivers/recording/sweep_export.hpp"
 #include "drivers/text/text_file.hpp"
@@ -112,7 +113,7 @@ class Writer {
 };
 
 /// Reads the drive until the writer is done; returns the lidar's counters.
-LidarCounters decode(DriveSetup& setup, size_t lidar, bool deskew, Writer& writer) {
+LidarCounters decode(SensorSetup& setup, size_t lidar, bool deskew, Writer& writer) {
   DeskewedSweeps sweeps(setup.rig.lidars[lidar].T_vehicle_lidar, {});
   const auto on_sweep = [&](Sweep& sweep) {
     deskew ? sweeps.add_sweep(sweep) : writer.write(sweep);
@@ -159,7 +160,7 @@ int run(const DecodeArguments& arguments) {
   for (const Error& note : setup->source.notes()) {
     std::cerr << kProgram << ": note: " << note.message() << "\n";
   }
-  for (const LidarProblem& problem : find_problems(setup->devices[*lidar], counters)) {
+  for (const LidarProblem& problem : find_problems(setup->lidars[*lidar].device, counters)) {
     std::cerr << kProgram << ": note: " << problem.what << "\n";
   }
   if (writer.not_deskewed() > 0) {
@@ -176,7 +177,7 @@ int run(const DecodeArguments& arguments) {
               << "\n";
   } else {
     std::cout << fmt::format("{} sweeps of {}, {} returns, to {}\n", writer.files(),
-                             setup->devices[*lidar].model, writer.returns(), arguments.output);
+                             setup->lidars[*lidar].device.model, writer.returns(), arguments.output);
   }
   return kDone;
 }

@@ -12,9 +12,9 @@ constexpr uint64_t kMinImages = 3;  // of which a calibration needs sweeps
 constexpr const char* kAddOdometry =
     "add wheel speeds, a speed source, or an inertial unit and a GNSS receiver";
 
-bool has_device(const Summary& summary, const char* kind) {
-  return std::any_of(summary.devices.begin(), summary.devices.end(),
-                     [&](const Device& device) { return device.kind == kind; });
+bool has_sensor(const Summary& summary, SensorKind kind) {
+  return std::any_of(summary.sensors.begin(), summary.sensors.end(),
+                     [&](const Sensor& sensor) { return sensor.id.kind == kind; });
 }
 
 DriveUse deskewing(const Summary& summary) {
@@ -35,7 +35,7 @@ DriveUse deskewing(const Summary& summary) {
 DriveUse with_images(const char* name, const Summary& summary) {
   const Totals& totals = summary.totals;
   DriveUse use{.use = name, .possible = false, .statement = {}};
-  if (!has_device(summary, "camera")) {
+  if (!has_sensor(summary, SensorKind::kCamera)) {
     use.statement = "there is no camera";
   } else if (totals.frames == 0) {
     use.statement = "it has no images";
@@ -67,7 +67,7 @@ DriveUse tracking(const Summary& summary, bool has_map) {
   DriveUse use{
       .use = "tracking on a street map", .possible = missing.empty(), .statement = missing};
   if (use.possible) {
-    use.statement = has_device(summary, "gnss")
+    use.statement = has_sensor(summary, SensorKind::kGnss)
                         ? "the initial pose is from GNSS"
                         : "without GNSS, give the initial pose, or all streets are searched";
   }

@@ -8,6 +8,7 @@
 #include "daemon/command_line/lidar_problems.hpp"
 #include "daemon/owner/drive_uses.hpp"
 #include "daemon/pipeline/replay.hpp"
+#include "daemon/setup/drive_setup.hpp"
 #include "drivers/recording/capture_parts.hpp"
 #include "drivers/recording/capture_reader.hpp"
 
@@ -60,15 +61,16 @@ Result<RecordingContents> survey_drive(const std::filesystem::path& path) {
 /// capture may be shorter.
 Summary judge_lidars(Summary summary) {
   Totals& totals = summary.totals;
-  for (size_t i = 0; i < totals.counters.size(); ++i) {
-    totals.levels[i] =
-        worst_level(totals.levels[i], find_problems(summary.devices[i], totals.counters[i]));
+  for (const auto& [id, device] : summary.sensors) {
+    if (id.kind != SensorKind::kLidar) continue;
+    Level& level = totals.levels.lidars.at(id.index);
+    level = worst_level(level, find_problems(device, totals.counters.lidars.at(id.index)));
   }
   return summary;
 }
 
 /// Runs the drive through the pipeline without clients.
-Summary replay(DriveSetup setup) {
+Summary replay(SensorSetup setup) {
   boost::asio::io_context io(1);
   Server server(io, {}, "", "");
   Replay replay(io, std::move(setup), {}, server, nullptr,
@@ -124,7 +126,7 @@ Result<Inspection> inspect_recording(const std::filesystem::path& path,
 bool has_lidar(const Inspection& inspection) {
   const Result<Summary>& summary = inspection.summary;
   if (!summary) return false;
-  const auto& counters = summary->totals.counters;
+  const auto& counters = summary->totals.counters.lidars;
   return std::any_of(counters.begin(), counters.end(),
                      [](const LidarCounters& c) { return c.packets > 0; });
 }
@@ -150,12 +152,7 @@ std::vector<std::string> list_problems(const Inspection& inspection) {
                                to_seconds(alert.stamp - summary->totals.start), alert.device,
                                alert.finding.what, alert.finding.advice));
   }
-  for (size_t i = 0; i < summary->totals.counters.size(); ++i) {
-    for (const LidarProblem& problem :
-         find_problems(summary->devices[i], summary->totals.counters[i])) {
-      list.push_back(problem.what);
-    }
-  }
+  for (const LidarProblem& problem : find_problems(*summary)) list.push_back(problem.what);
   return list;
 }
 
@@ -204,16 +201,12 @@ std::string to_text(const Inspection& inspection) {
   if (!unread.empty()) text += "  not read: " + unread + "\n";
   if (summary) {
     text += "lidars\n";
-    for (size_t i = 0; i < summary->totals.counters.size(); ++i) {
-      text +=
-          device_text(summary->devices[i], summary->totals.counters[i], summary->totals.levels[i]);
+    std::string others;
+    for (const Sensor& sensor : summary->sensors) {
+      (sensor.id.kind == SensorKind::kLidar ? text : others) +=
+          sensor_text(sensor, summary->totals);
     }
-    const size_t lidars = summary->totals.counters.size();
-    if (!summary->totals.streams.empty()) text += "cameras and the vehicle\n";
-    for (size_t i = 0; i < summary->totals.streams.size(); ++i) {
-      text += stream_text(summary->devices[lidars + i], summary->totals.streams[i],
-                          summary->totals.levels[lidars + i]);
-    }
+    if (!others.empty()) text += "cameras and the vehicle\n" + others;
     if (summary->has_odometry) text += odometry_text(summary->totals.odometry);
     text += "can be used for\n";
     for (const DriveUse& use : drive_uses(*summary, contents.has_map)) {

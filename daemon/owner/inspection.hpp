@@ -7,7 +7,7 @@
 
 #include "daemon/command_line/progress_line.hpp"
 #include "daemon/command_line/summary.hpp"
-#include "daemon/pipeline/drive_setup.hpp"
+#include "daemon/setup/drive_setup.hpp"
 #include "daemon/protocol/json.hpp"
 #include "drivers/makers/arrivals.hpp"
 #include "drivers/makers/capture_survey.hpp"

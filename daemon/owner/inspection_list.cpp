@@ -10,10 +10,11 @@ namespace {
 /// "VLP-16, 20 sweeps (10.00/s), 0 lost" for each lidar of a capture.
 std::string lidars_text(const Summary& summary) {
   std::string text;
-  for (size_t i = 0; i < summary.totals.counters.size(); ++i) {
-    const LidarCounters& c = summary.totals.counters[i];
-    text += fmt::format("{}{}, {} sweeps ({:.2f}/s), {} of {} packets lost", i == 0 ? "" : "; ",
-                        summary.devices[i].model, c.sweeps, sweep_rate(c),
+  for (const auto& [id, device] : summary.sensors) {
+    if (id.kind != SensorKind::kLidar) continue;
+    const LidarCounters& c = summary.totals.counters.lidars.at(id.index);
+    text += fmt::format("{}{}, {} sweeps ({:.2f}/s), {} of {} packets lost",
+                        text.empty() ? "" : "; ", device.model, c.sweeps, sweep_rate(c),
                         c.lost_network + c.lost_kernel, c.packets + c.lost_network + c.lost_kernel);
   }
   return text;
@@ -40,7 +41,7 @@ std::string InspectionList::add(const std::filesystem::path& capture,
   with_lidar_ += has_lidar(*inspection) ? 1 : 0;
   with_problems_ += problems.empty() ? 0 : 1;
   if (!inspection->summary) return fmt::format("{}: {}\n", name, problems_text(problems));
-  for (const LidarCounters& c : inspection->summary->totals.counters) {
+  for (const LidarCounters& c : inspection->summary->totals.counters.lidars) {
     sweeps_ += c.sweeps;
     packets_ += c.packets;
     packets_lost_ += c.lost_network + c.lost_kernel;

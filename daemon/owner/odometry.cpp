@@ -11,6 +11,7 @@
 #include "daemon/playback/find_lidar.hpp"
 #include "daemon/playback/play_lidar.hpp"
 #include "daemon/protocol/json.hpp"
+#include "daemon/setup/drive_setup.hpp"
 #include "drivers/measurement/median.hpp"
 #include "drivers/recording/trajectory_file.hpp"
 #include "drivers/text/text_file.hpp"

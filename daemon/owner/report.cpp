@@ -9,6 +9,7 @@
 #include "daemon/owner/report_truth.hpp"
 #include "daemon/pages/report_page.hpp"
 #include "daemon/pipeline/replay.hpp"
+#include "daemon/setup/drive_setup.hpp"
 #include "daemon/streetmap/street_map_file.hpp"
 #include "drivers/recording/drive.hpp"
 #include "drivers/text/text_file.hpp"

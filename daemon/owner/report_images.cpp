@@ -8,6 +8,7 @@
 #include "daemon/playback/calibration_scenes.hpp"
 #include "daemon/playback/deskewed_sweeps.hpp"
 #include "daemon/playback/play_lidar.hpp"
+#include "daemon/setup/drive_setup.hpp"
 #include "fusion/streetmap/draw_map.hpp"
 
 namespace infuse::daemon {

@@ -10,11 +10,14 @@ enum class Delivery : uint8_t {
   kOverwrite,  ///< live: overwrites the oldest entry, which the consumer counts as lost
 };
 
-/// Publishes the slot in hand.
+/// Live, no producer waits.
+constexpr Delivery delivery_of(bool live) { return live ? Delivery::kOverwrite : Delivery::kWait; }
+
+/// Publishes the slot in hand. `is_control`: it is not data, and a slow consumer must get it.
 template <class Ring>
-void deliver(Ring& ring, Delivery delivery) {
+void deliver(Ring& ring, Delivery delivery, bool is_control = false) {
   if (delivery == Delivery::kWait) ring.wait_for_room();
-  ring.publish();
+  ring.publish(is_control ? Ring::Keep::kUntilRead : Ring::Keep::kNo);
 }
 
 }  // namespace infuse::daemon

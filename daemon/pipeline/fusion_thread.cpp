@@ -294,16 +294,16 @@ void FusionThread::report_latest_pose() {
 
 void FusionThread::report_tick(const StreamItem& item) {
   ReportItem& report = begin_report(ReportItem::Kind::kTick, item.stamp);
-  report.counters = item.counters;  // of equal length: no allocation
+  report.counters = item.counters;  // of one setup: no allocation
   for (size_t lidar = 0; lidar < dropped_sweeps_.size(); ++lidar) {
-    report.counters[lidar].dropped_sweeps = dropped_sweeps_[lidar];
+    report.counters.lidars[lidar].dropped_sweeps = dropped_sweeps_[lidar];
   }
-  report.streams = item.streams;
-  for (size_t camera = 0; camera < cameras_.size(); ++camera) {  // streams begin with the cameras
+  for (size_t camera = 0; camera < cameras_.size(); ++camera) {
     const ImageCounters& counters = image_counters_[camera];
-    report.streams[camera].used = counters.used;
-    report.streams[camera].refused += counters.unreadable;
-    report.streams[camera].lost += counters.dropped;
+    StreamCounters& reported = report.counters.cameras[camera];
+    reported.used = counters.used;
+    reported.refused += counters.unreadable;
+    reported.lost += counters.dropped;
   }
   report.odometry = setup_.has_odometry ? odometry_.status(item.stamp) : OdometryStatus{};
   report.odometry.not_deskewed = not_deskewed_;
@@ -337,7 +337,7 @@ ReportItem& FusionThread::begin_report(ReportItem::Kind kind, Stamp stamp) {
 }
 
 void FusionThread::send_report() {
-  deliver(out_, setup_.delivery);
+  deliver(out_, setup_.delivery, out_.slot().is_control());
   notifier_.notify();
 }
 

@@ -1,5 +1,7 @@
 #include "daemon/pipeline/health_checks.hpp"
 
+#include <algorithm>
+
 namespace infuse::daemon {
 namespace {
 
@@ -19,38 +21,64 @@ TaskHealth<Status> check_task(Stamp stamp, const std::string& task, Health& heal
   return {status, checks.level(), checks.findings()};
 }
 
+std::variant<LidarHealth, StreamHealth> make_health(const Sensor& sensor,
+                                                    const HealthOptions& options, Stamp start) {
+  const std::string& endpoint = sensor.device.endpoint;
+  if (sensor.id.kind == SensorKind::kLidar) return LidarHealth(endpoint, options, start);
+  return StreamHealth(endpoint, options, start);
+}
+
+/// Stamp of the first data of a sensor; nothing while there was none.
+std::optional<Stamp> first_data(const SensorId& id, const SensorCounters& counters) {
+  if (id.kind == SensorKind::kLidar) {
+    const LidarCounters& lidar = counters.lidars.at(id.index);
+    return lidar.packets > 0 ? std::optional(lidar.first_packet) : std::nullopt;
+  }
+  const StreamCounters& stream = counters.stream(id);
+  return stream.received > 0 ? std::optional(stream.first) : std::nullopt;
+}
+
 }  // namespace
 
-HealthChecks::HealthChecks(const PipelineSetup& setup, const HealthOptions& options)
-    : devices_(setup.devices),
-      lidar_count_(setup.lidars.size()),
-      options_(options),
+HealthChecks::HealthChecks(const SensorSetup& setup, const HealthOptions& options)
+    : options_(options),
+      levels_(setup),
       odometry_(options),
       streetmap_(streetmap_alerts(), options),
       map_(map_alerts(), options),
       rig_(rig_alerts(), options) {
-  for (const Device& device : devices_) device_names_.push_back(device.name);
-}
-
-void HealthChecks::start(Stamp stamp) {
-  for (size_t i = 0; i < devices_.size(); ++i) {
-    if (i < lidar_count_) {
-      lidars_.emplace_back(devices_[i].endpoint, options_, stamp);
-    } else {
-      streams_.emplace_back(devices_[i].endpoint, options_, stamp);
-    }
+  for (const Sensor& sensor : setup.sensors()) {
+    names_.push_back(sensor.device.name);
+    sensors_.push_back({sensor, make_health(sensor, options, Stamp())});
   }
 }
 
-bool HealthChecks::mark_activated_devices(const ReportItem& tick) {
+void HealthChecks::start(Stamp stamp) {
+  for (CheckedSensor& checked : sensors_) {
+    checked.health = make_health(checked.sensor, options_, stamp);
+  }
+}
+
+std::vector<Device> HealthChecks::devices() const {
+  std::vector<Device> devices;
+  for (const CheckedSensor& checked : sensors_) devices.push_back(checked.sensor.device);
+  return devices;
+}
+
+size_t HealthChecks::ok_sensor_count() const {
+  return static_cast<size_t>(
+      std::count_if(sensors_.begin(), sensors_.end(), [&](const CheckedSensor& checked) {
+        return level_of(checked.sensor.id, levels_) == Level::kOk;
+      }));
+}
+
+bool HealthChecks::mark_activated(const ReportItem& tick) {
   bool any = false;
-  for (size_t i = 0; i < devices_.size(); ++i) {
-    if (devices_[i].activated) continue;
-    const bool lidar = i < lidar_count_;
-    if ((lidar ? tick.counters[i].packets : tick.streams[i - lidar_count_].received) == 0) continue;
-    devices_[i].activated =
-        lidar ? tick.counters[i].first_packet : tick.streams[i - lidar_count_].first;
-    any = true;
+  for (CheckedSensor& checked : sensors_) {
+    Device& device = checked.sensor.device;
+    if (device.activated) continue;
+    device.activated = first_data(checked.sensor.id, tick.counters);
+    any = any || device.activated;
   }
   return any;
 }
@@ -59,7 +87,7 @@ HealthReport HealthChecks::check(const ReportItem& tick, Duration drive,
                                  std::vector<AlertReport>& alerts) {
   const Stamp stamp = tick.stamp;
   HealthReport report{.stamp = stamp, .drive = drive};
-  check_devices(tick, report, alerts);
+  check_sensors(tick, report, alerts);
   if (tick.odometry.present) {
     report.odometry = check_task(stamp, "odometry", odometry_, tick.odometry, alerts);
   }
@@ -70,27 +98,38 @@ HealthReport HealthChecks::check(const ReportItem& tick, Duration drive,
   for (const auto& [camera, checks] : calibrations_) {
     report.calibrations.push_back({camera, checks.findings()});
   }
-  rig_.update(stamp, {device_names_, options_.expected_sensors});
+  rig_.update(stamp, {names_, options_.expected_sensors});
   report.findings = rig_.findings();
   append_alerts(stamp, kDaemonDevice, rig_.transitions(), alerts);
   return report;
 }
 
-void HealthChecks::check_devices(const ReportItem& tick, HealthReport& report,
+void HealthChecks::check_sensors(const ReportItem& tick, HealthReport& report,
                                  std::vector<AlertReport>& alerts) {
-  for (size_t i = 0; i < devices_.size(); ++i) {
-    const Device& device = devices_[i];
-    if (i < lidar_count_) {
-      const LidarStatus& status = lidars_[i].update(tick.stamp, tick.counters[i]);
-      report.sensors.push_back({device.name, device.kind, status});
-      append_alerts(tick.stamp, device.name, status.transitions, alerts);
-    } else {
-      const size_t stream = i - lidar_count_;
-      const StreamStatus& status = streams_[stream].update(tick.stamp, tick.streams[stream]);
-      report.streams.push_back({device.name, device.kind, status});
-      append_alerts(tick.stamp, device.name, status.transitions, alerts);
+  for (CheckedSensor& checked : sensors_) {
+    if (auto* lidar = std::get_if<LidarHealth>(&checked.health)) {
+      check_lidar(checked.sensor, *lidar, tick, report, alerts);
+    } else if (auto* stream = std::get_if<StreamHealth>(&checked.health)) {
+      check_stream(checked.sensor, *stream, tick, report, alerts);
     }
   }
+}
+
+void HealthChecks::check_lidar(const Sensor& sensor, LidarHealth& health, const ReportItem& tick,
+                               HealthReport& report, std::vector<AlertReport>& alerts) {
+  const size_t lidar = sensor.id.index;
+  const LidarStatus& status = health.update(tick.stamp, tick.counters.lidars.at(lidar));
+  levels_.lidars[lidar] = status.level;
+  report.sensors.push_back({sensor.device.name, sensor.device.kind, status});
+  append_alerts(tick.stamp, sensor.device.name, status.transitions, alerts);
+}
+
+void HealthChecks::check_stream(const Sensor& sensor, StreamHealth& health, const ReportItem& tick,
+                                HealthReport& report, std::vector<AlertReport>& alerts) {
+  const StreamStatus& status = health.update(tick.stamp, tick.counters.stream(sensor.id));
+  levels_.stream(sensor.id) = status.level;
+  report.streams.push_back({sensor.device.name, sensor.device.kind, status});
+  append_alerts(tick.stamp, sensor.device.name, status.transitions, alerts);
 }
 
 void HealthChecks::check(const CalibrationReport& report, std::vector<AlertReport>& alerts) {
@@ -103,8 +142,9 @@ void HealthChecks::check(const CalibrationReport& report, std::vector<AlertRepor
 
 void HealthChecks::set_options(const HealthOptions& options) {
   options_ = options;
-  for (LidarHealth& lidar : lidars_) lidar.set_options(options);
-  for (StreamHealth& stream : streams_) stream.set_options(options);
+  for (CheckedSensor& checked : sensors_) {
+    std::visit([&](auto& health) { health.set_options(options); }, checked.health);
+  }
 }
 
 }  // namespace infuse::daemon

@@ -3,6 +3,7 @@
 #include <map>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "daemon/health/calibration_health.hpp"
@@ -10,22 +11,23 @@
 #include "daemon/health/odometry_health.hpp"
 #include "daemon/health/rig_health.hpp"
 #include "daemon/health/stream_health.hpp"
-#include "daemon/pipeline/pipeline_setup.hpp"
 #include "daemon/pipeline/report_item.hpp"
 #include "daemon/protocol/reports.hpp"
+#include "daemon/setup/sensor_table.hpp"
 
 namespace infuse::daemon {
 
-/// All health checks of the daemon: of each device, each calibration and each task.
+/// All health checks of the daemon: of each sensor, each calibration and each task.
 class HealthChecks {
  public:
-  HealthChecks(const PipelineSetup& setup, const HealthOptions& options);
+  /// `setup` says which sensors there are.
+  HealthChecks(const SensorSetup& setup, const HealthOptions& options);
 
-  /// Starts the checks of the devices.
+  /// Starts the checks of the sensors.
   void start(Stamp stamp);
 
-  /// Marks the devices whose first data has arrived. Returns true if there are any.
-  bool mark_activated_devices(const ReportItem& tick);
+  /// Marks the sensors whose first data has arrived. Returns true if there are any.
+  bool mark_activated(const ReportItem& tick);
 
   /// Checks everything but calibrations at a tick; `drive`: time since the start. What is raised or
   /// cleared is appended to `alerts`. Host figures are left out.
@@ -37,19 +39,32 @@ class HealthChecks {
   /// Replaces the thresholds.
   void set_options(const HealthOptions& options);
 
-  const std::vector<Device>& devices() const { return devices_; }
-  size_t lidar_count() const { return lidar_count_; }
+  /// Returns what the sensors are.
+  std::vector<Device> devices() const;
+  /// Levels of the sensors at the last tick.
+  const SensorLevels& levels() const { return levels_; }
+
+  size_t sensor_count() const { return sensors_.size(); }
+  /// Number of sensors that are OK.
+  size_t ok_sensor_count() const;
 
  private:
-  void check_devices(const ReportItem& tick, HealthReport& report,
-                     std::vector<AlertReport>& alerts);
+  struct CheckedSensor {
+    Sensor sensor;
+    std::variant<LidarHealth, StreamHealth> health;
+  };
 
-  std::vector<Device> devices_;
-  size_t lidar_count_;  // lidars come first in `devices_`
+  void check_sensors(const ReportItem& tick, HealthReport& report,
+                     std::vector<AlertReport>& alerts);
+  void check_lidar(const Sensor& sensor, LidarHealth& health, const ReportItem& tick,
+                   HealthReport& report, std::vector<AlertReport>& alerts);
+  void check_stream(const Sensor& sensor, StreamHealth& health, const ReportItem& tick,
+                    HealthReport& report, std::vector<AlertReport>& alerts);
+
   HealthOptions options_;
-  std::vector<LidarHealth> lidars_;
-  std::vector<StreamHealth> streams_;  // of the other devices
-  std::vector<std::string> device_names_;
+  std::vector<CheckedSensor> sensors_;  // in the order of the reports
+  SensorLevels levels_;
+  std::vector<std::string> names_;  // of the sensors
   OdometryHealth odometry_;
   AlertChecks<StreetMapStatus> streetmap_;
   AlertChecks<MapStatus> map_;

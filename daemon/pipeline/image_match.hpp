@@ -4,8 +4,8 @@
 #include <string_view>
 
 #include "daemon/pipeline/image_thread.hpp"
-#include "daemon/pipeline/sensor_index.hpp"
 #include "daemon/protocol/reports.hpp"
+#include "daemon/setup/sensor_id.hpp"
 #include "drivers/measurement/sweep.hpp"
 #include "fusion/motion/deskew.hpp"
 

@@ -3,8 +3,10 @@
 namespace infuse::daemon {
 
 ImageThread::ImageThread(SlotRing<StreamItem>& in, SlotRing<CameraImage>& out,
-                         std::vector<camera::ImageOptions> options, Delivery delivery)
-    : in_(in.make_reader()), out_(out), options_(std::move(options)), delivery_(delivery) {}
+                         const SensorSetup& setup)
+    : in_(in.make_reader()), out_(out), delivery_(delivery_of(setup.live)) {
+  for (const CameraSetup& camera : setup.cameras) options_.push_back(camera.image);
+}
 
 void ImageThread::run() {
   bool ended = false;

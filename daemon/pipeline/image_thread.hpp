@@ -25,9 +25,8 @@ struct CameraImage {
 /// The image thread: decodes images. Every item of kind kImage becomes one `CameraImage`, in order.
 class ImageThread {
  public:
-  /// Registers as a reader of `in`. `options`: by CameraIndex. The rings outlive this.
-  ImageThread(SlotRing<StreamItem>& in, SlotRing<CameraImage>& out,
-              std::vector<camera::ImageOptions> options, Delivery delivery);
+  /// Registers as a reader of `in`. The rings outlive this.
+  ImageThread(SlotRing<StreamItem>& in, SlotRing<CameraImage>& out, const SensorSetup& setup);
 
   /// Runs until the item kEnd, or `in` is closed.
   void run();
@@ -38,7 +37,7 @@ class ImageThread {
 
   SlotRing<StreamItem>::Reader in_;
   SlotRing<CameraImage>& out_;
-  std::vector<camera::ImageOptions> options_;
+  std::vector<camera::ImageOptions> options_;  // by CameraIndex
   Delivery delivery_;
 };
 

@@ -9,8 +9,8 @@ constexpr size_t kMaxDatagramBytes = size_t{512} << 10;  // of a batch
 
 }  // namespace
 
-Intake::Intake(const PipelineSetup& setup, SlotRing<StreamItem>& out, const PipelineTap* tap)
-    : delivery_(setup.delivery),
+Intake::Intake(const SensorSetup& setup, SlotRing<StreamItem>& out, const PipelineTap* tap)
+    : delivery_(delivery_of(setup.live)),
       cameras_(setup.cameras.size()),
       mounted_cameras_(setup.rig.cameras.size()),
       vehicle_(setup.vehicle),
@@ -177,17 +177,18 @@ void Intake::push_tick(Stamp stamp) {
   for (size_t i = 0; i < datagrams_.size(); ++i) push_datagrams(LidarIndex(i));
   StreamItem& item = out_.slot();
   for (size_t i = 0; i < lidars_.size(); ++i) {
-    LidarCounters& counters = item.counters[i];
+    LidarCounters& counters = item.counters.lidars[i];
     counters = lidars_[i].counters();
     counters.unclaimed = unclaimed_;
     if (counters.malformed + counters.wrong_sender > 0) continue;
     counters.unexpected_sender = unexpected_sender_;
     counters.unexpected_size = unexpected_size_;
   }
-  size_t stream = 0;  // in the order of PipelineSetup::devices
-  for (const CameraIntake& camera : cameras_) item.streams[stream++] = camera.counters();
-  vehicle_.write_counters(item.streams.data() + stream);
-  sources_.write(item.counters, item.streams);
+  for (size_t i = 0; i < cameras_.size(); ++i) {
+    item.counters.cameras[i] = cameras_[i].counters();
+  }
+  vehicle_.write_counters(item.counters);
+  sources_.write(item.counters);
   item.intake = latency_.stats();
   push_item(StreamItem::Kind::kTick, stamp);
 }
@@ -197,7 +198,7 @@ void Intake::push_item(StreamItem::Kind kind, Stamp stamp) {
   item.kind = kind;
   item.stamp = stamp;
   item.read_at = read_at_;
-  deliver(out_, delivery_);
+  deliver(out_, delivery_, item.is_control());
 }
 
 }  // namespace infuse::daemon

@@ -10,11 +10,11 @@
 #include "daemon/pipeline/camera_intake.hpp"
 #include "daemon/pipeline/drive_ticker.hpp"
 #include "daemon/pipeline/lidar_intake.hpp"
-#include "daemon/pipeline/pipeline_setup.hpp"
 #include "daemon/pipeline/pipeline_tap.hpp"
 #include "daemon/pipeline/source_states.hpp"
 #include "daemon/pipeline/stream_item.hpp"
 #include "daemon/pipeline/vehicle_intake.hpp"
+#include "daemon/setup/sensor_setup.hpp"
 #include "drivers/measurement/slot_ring.hpp"
 
 namespace infuse::daemon {
@@ -31,7 +31,7 @@ class Intake {
 
   /// The readers of `out` must be registered already; `out` must outlive this object.
   /// `tap` too; null: nobody wants datagrams.
-  Intake(const PipelineSetup& setup, SlotRing<StreamItem>& out, const PipelineTap* tap = nullptr);
+  Intake(const SensorSetup& setup, SlotRing<StreamItem>& out, const PipelineTap* tap = nullptr);
 
   /// Starts the drive at `stamp`.
   void start(Stamp stamp);
@@ -70,7 +70,7 @@ class Intake {
     lidars_[lidar].add_filtered(datagrams);
   }
 
-  /// State of the live sources, updated by the reader. Empty in a replay.
+  /// State of the live sources, updated by the reader. Default in a replay.
   SourceStates& sources() { return sources_; }
 
   /// Problems of the CAN log; valid after the end.

@@ -5,19 +5,13 @@
 #include <string>
 
 #include "daemon/health/lidar_counters.hpp"
+#include "daemon/setup/sensor_setup.hpp"
 #include "drivers/lidar/lidar_decoder.hpp"
 #include "drivers/measurement/datagram.hpp"
 #include "drivers/measurement/gyro_readings.hpp"
 #include "drivers/measurement/sweep.hpp"
 
 namespace infuse::daemon {
-
-/// Options of decoding one lidar.
-struct LidarSetup {
-  std::string name;
-  bool has_packets = true;  ///< false: the drive has decoded sweeps
-  lidar::DecoderOptions decoder;
-};
 
 /// One lidar: datagrams in, sweeps and GNSS fixes out, everything counted. Used by the io thread.
 class LidarIntake {

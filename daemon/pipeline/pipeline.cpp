@@ -12,25 +12,23 @@ constexpr int kFusionCore = 1;
 
 /// Items besides those that fusion pins. Live, the allowed backlog of fusion: 0.2 s of a bus, two
 /// cameras and a lidar.
-size_t items_in_flight(Delivery delivery) { return delivery == Delivery::kWait ? 4 : 32; }
+size_t items_in_flight(bool live) { return live ? 32 : 4; }
 
-StreamItem stream_item(const PipelineSetup& setup) {
+StreamItem stream_item(const SensorSetup& setup) {
   StreamItem item;
   item.samples.reserve(Intake::kMaxSampleBatch);
   item.from_bus.reserve(Intake::kMaxSampleBatch);
-  item.counters.resize(setup.lidars.size());
-  item.streams.resize(setup.stream_count());
+  item.counters = SensorCounters(setup);
   return item;
 }
 
-ReportItem report_item(const PipelineSetup& setup) {
+ReportItem report_item(const SensorSetup& setup) {
   ReportItem item;
-  item.counters.resize(setup.lidars.size());
-  item.streams.resize(setup.stream_count());
+  item.counters = SensorCounters(setup);
   return item;
 }
 
-FusionSetup fusion_setup(const PipelineSetup& setup, const PipelineOptions& options) {
+FusionSetup fusion_setup(const SensorSetup& setup, const PipelineOptions& options) {
   // A map is compared with what the lidar saw over some metres, which wheels alone would blur.
   const bool use_lidar = options.odometry.use_lidar.value_or(!setup.vehicle.has_motion_sensor() ||
                                                              options.places.has_value()) &&
@@ -46,7 +44,7 @@ FusionSetup fusion_setup(const PipelineSetup& setup, const PipelineOptions& opti
           .use_lidar = use_lidar,
           .odometry = odometry,
           .calibration = options.calibration,
-          .delivery = setup.delivery,
+          .delivery = delivery_of(setup.live),
           .streetmap = options.streetmap,
           .street_map = options.street_map,
           .places = options.places,
@@ -57,13 +55,13 @@ FusionSetup fusion_setup(const PipelineSetup& setup, const PipelineOptions& opti
 
 }  // namespace
 
-Pipeline::Pipeline(boost::asio::io_context& io, const PipelineSetup& setup,
+Pipeline::Pipeline(boost::asio::io_context& io, const SensorSetup& setup,
                    const PipelineOptions& options, Server& server, ReportsFile* file,
                    std::function<void()> on_end)
     : setup_(setup),
       calibrations_monitored_(options.calibration.monitored),
       on_end_(std::move(on_end)),
-      items_(items_in_flight(setup.delivery) + FusionThread::max_pins(setup.lidars.size()) +
+      items_(items_in_flight(setup.live) + FusionThread::max_pins(setup.lidars.size()) +
                  (options.tap != nullptr ? 1 : 0),
              [&] { return stream_item(setup); }),
       images_(4 * setup.cameras.size() + 2, [] { return CameraImage(); }),
@@ -71,7 +69,7 @@ Pipeline::Pipeline(boost::asio::io_context& io, const PipelineSetup& setup,
       notifier_(io, [this] { drain(); }),
       publisher_(reports_, setup, options.health, server, file),
       fusion_(fusion_setup(setup, options), items_, images_, reports_, notifier_),
-      decoder_(items_, images_, setup.cameras, setup.delivery),
+      decoder_(items_, images_, setup),
       intake_(setup, items_, options.tap) {}
 
 // Closed rings let every thread end without waiting for the next.

@@ -36,7 +36,7 @@ class Pipeline {
  public:
   /// `setup`, `io`, `server` and `file` (which may be null) outlive this. `on_end` is called on the
   /// thread of `io` when all was published and the threads have ended.
-  Pipeline(boost::asio::io_context& io, const PipelineSetup& setup, const PipelineOptions& options,
+  Pipeline(boost::asio::io_context& io, const SensorSetup& setup, const PipelineOptions& options,
            Server& server, ReportsFile* file, std::function<void()> on_end);
   ~Pipeline();
 
@@ -70,7 +70,7 @@ class Pipeline {
 
   void drain();
 
-  const PipelineSetup& setup_;
+  const SensorSetup& setup_;
   const bool calibrations_monitored_;
   std::function<void()> on_end_;
   SlotRing<StreamItem> items_;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "daemon/pipeline/image_match.hpp"
-#include "daemon/pipeline/sensor_index.hpp"
+#include "daemon/setup/sensor_id.hpp"
 
 namespace infuse::daemon {
 

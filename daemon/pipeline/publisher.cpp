@@ -6,9 +6,14 @@
 
 namespace infuse::daemon {
 
-Publisher::Publisher(SlotRing<ReportItem>& in, const PipelineSetup& setup,
+Publisher::Publisher(SlotRing<ReportItem>& in, const SensorSetup& setup,
                      const HealthOptions& health, Server& server, ReportsFile* file)
-    : ring_(in), in_(in.make_reader()), checks_(setup, health), server_(server), file_(file) {}
+    : ring_(in),
+      in_(in.make_reader()),
+      checks_(setup, health),
+      server_(server),
+      file_(file),
+      totals_(setup) {}
 
 template <class Report>
 void Publisher::publish(const Report& report, const std::string& device) {
@@ -52,6 +57,7 @@ void Publisher::process(const ReportItem& item) {
     case ReportItem::Kind::kCalibration:
       return publish_calibration(item.calibration);
     case ReportItem::Kind::kTick:
+      if (!totals_.started) start(item.stamp);  // the rest of a drive whose start was overwritten
       publish_health(item);
       return progress_listener_();
     case ReportItem::Kind::kEnd:
@@ -61,10 +67,9 @@ void Publisher::process(const ReportItem& item) {
 }
 
 void Publisher::start(Stamp stamp) {
-  const std::vector<Device>& devices = checks_.devices();
-  totals_.start_at(stamp, checks_.lidar_count(), devices.size() - checks_.lidar_count());
+  totals_.start_at(stamp);
   checks_.start(stamp);
-  publish(DevicesReport{stamp, devices}, "");
+  publish(DevicesReport{stamp, checks_.devices()}, "");
 }
 
 void Publisher::publish_calibration(const CalibrationReport& report) {
@@ -77,12 +82,12 @@ void Publisher::publish_calibration(const CalibrationReport& report) {
 }
 
 void Publisher::publish_health(const ReportItem& item) {
-  if (checks_.mark_activated_devices(item)) {
+  if (checks_.mark_activated(item)) {
     publish(DevicesReport{item.stamp, checks_.devices()}, "");
   }
   std::vector<AlertReport> alerts;
   HealthReport report = checks_.check(item, item.stamp - totals_.start, alerts);
-  totals_.update(item, report);
+  totals_.update(item, checks_.levels());
   totals_.host = host_stats(item);
   publish_alerts(alerts);
   if (file_ != nullptr) file_->write(message(report));  // without host figures

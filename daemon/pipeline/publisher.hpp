@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "daemon/pipeline/health_checks.hpp"
-#include "daemon/pipeline/pipeline_setup.hpp"
 #include "daemon/pipeline/report_item.hpp"
 #include "daemon/pipeline/reports_file.hpp"
 #include "daemon/pipeline/totals.hpp"
@@ -20,7 +19,7 @@ namespace infuse::daemon {
 class Publisher {
  public:
   /// Registers as a reader of `in`, which outlives this. `file` may be null.
-  Publisher(SlotRing<ReportItem>& in, const PipelineSetup& setup, const HealthOptions& health,
+  Publisher(SlotRing<ReportItem>& in, const SensorSetup& setup, const HealthOptions& health,
             Server& server, ReportsFile* file);
 
   /// Sets the listener of every pose.
@@ -49,6 +48,14 @@ class Publisher {
     alert_listeners_.push_back(std::move(listener));
   }
 
+  /// Calls `sink.add(report)` for every ALERT, CALIBRATION and HEALTH report. `sink` outlives this.
+  template <class Sink>
+  void add_sink(Sink& sink) {
+    add_alert_listener([&sink](const AlertReport& report) { sink.add(report); });
+    add_calibration_listener([&sink](const CalibrationReport& report) { sink.add(report); });
+    add_health_listener([&sink](const HealthReport& report) { sink.add(report); });
+  }
+
   /// Adds a listener of every report, as the server publishes it: (class, device, JSON line).
   void add_line_listener(
       std::function<void(ReportClass, const std::string&, const std::string&)> listener) {
@@ -71,7 +78,7 @@ class Publisher {
   bool drain();
 
   const Totals& totals() const { return totals_; }
-  size_t device_count() const { return checks_.devices().size(); }
+  const HealthChecks& checks() const { return checks_; }
 
  private:
   void process(const ReportItem& item);

@@ -4,7 +4,7 @@
 
 namespace infuse::daemon {
 
-Replay::Replay(boost::asio::io_context& io, DriveSetup setup, const ReplayOptions& options,
+Replay::Replay(boost::asio::io_context& io, SensorSetup setup, const ReplayOptions& options,
                Server& server, ReportsFile* file, std::function<void()> on_end)
     : setup_(std::move(setup)),
       pipeline_(io, setup_, options.pipeline, server, file, std::move(on_end)) {

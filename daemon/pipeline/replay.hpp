@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "daemon/pipeline/drive_reader.hpp"
-#include "daemon/pipeline/drive_setup.hpp"
 #include "daemon/pipeline/pipeline.hpp"
+#include "daemon/setup/sensor_setup.hpp"
 
 namespace infuse::daemon {
 
@@ -22,7 +22,7 @@ class Replay {
  public:
   /// `on_end` is called on the thread of `io` when all was published and the threads have ended.
   /// `io`, `server` and `file` (which may be null) outlive this.
-  Replay(boost::asio::io_context& io, DriveSetup setup, const ReplayOptions& options,
+  Replay(boost::asio::io_context& io, SensorSetup setup, const ReplayOptions& options,
          Server& server, ReportsFile* file, std::function<void()> on_end);
 
   /// Starts the threads.
@@ -40,7 +40,7 @@ class Replay {
   Publisher& publisher() { return pipeline_.publisher(); }
 
   const Totals& totals() const { return pipeline_.publisher().totals(); }
-  const DriveSetup& setup() const { return setup_; }
+  const SensorSetup& setup() const { return setup_; }
 
   /// Returns the problems of the files; after the end.
   std::vector<Error> notes() const;
@@ -49,7 +49,7 @@ class Replay {
   std::optional<double> progress() const;
 
  private:
-  DriveSetup setup_;
+  SensorSetup setup_;
   std::optional<DriveReader> reader_;  // outlives its thread
   Pipeline pipeline_;
 };

@@ -5,9 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "daemon/health/lidar_counters.hpp"
 #include "daemon/health/odometry_health.hpp"
-#include "daemon/health/stream_counters.hpp"
 #include "daemon/health/streetmap_health.hpp"
 #include "daemon/pipeline/stream_item.hpp"
 #include "daemon/protocol/reports.hpp"
@@ -43,13 +41,16 @@ struct ReportItem {
     kEnd,          ///< end of the drive; nothing follows
   };
   Kind kind = Kind::kStart;
+  /// As `StreamItem::is_control`.
+  bool is_control() const {
+    return kind == Kind::kStart || kind == Kind::kTick || kind == Kind::kEnd;
+  }
   Stamp stamp;
   SweepReport sweep;
   PoseReport pose;
   FrameReport frame;
   CalibrationReport calibration;
-  std::vector<LidarCounters> counters;  ///< by LidarIndex
-  std::vector<StreamCounters> streams;  ///< by stream
+  SensorCounters counters;
   OdometryStatus odometry;
   std::optional<StreetMapStatus> streetmap;  ///< nothing: no street map
   std::optional<MapStatus> map;  ///< localisation on the map of keyframes; nothing without one

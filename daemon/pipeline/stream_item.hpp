@@ -6,10 +6,8 @@
 #include <vector>
 
 #include "daemon/health/latency_histogram.hpp"
-#include "daemon/health/lidar_counters.hpp"
-#include "daemon/health/stream_counters.hpp"
-#include "daemon/pipeline/sensor_index.hpp"
 #include "daemon/pipeline/vehicle_sample.hpp"
+#include "daemon/setup/sensor_table.hpp"
 #include "drivers/camera/raw_image.hpp"
 #include "drivers/measurement/stamp.hpp"
 #include "drivers/measurement/sweep.hpp"
@@ -28,11 +26,16 @@ struct StreamItem {
     kImage,      ///< `camera`, `number`, `sequence` and `encoded`; stamp: middle of the exposure
     kSweep,      ///< `lidar` and `sweep`
     kDatagrams,  ///< `lidar` and `datagrams`, as a `PipelineTap` wants them; nobody else reads them
-    kTick,       ///< a second of drive time has passed: `counters` and `streams`
+    kTick,       ///< a second of drive time has passed: `counters`
     kFlush,      ///< no more samples, images and sweeps: waiting ones are processed
     kEnd,        ///< end of the drive; nothing follows
   };
   Kind kind = Kind::kStart;
+  /// True if it says how the drive goes on: it reaches a consumer that has lost data.
+  bool is_control() const {
+    return kind == Kind::kStart || kind == Kind::kTick || kind == Kind::kFlush ||
+           kind == Kind::kEnd;
+  }
   Stamp stamp;
   HostClock::time_point read_at;  ///< time at which the event that completed it was read
 
@@ -50,9 +53,8 @@ struct StreamItem {
   Sweep sweep;
   std::vector<uint8_t> datagrams;  ///< `for_each_datagram`
 
-  std::vector<LidarCounters> counters;  ///< by LidarIndex
-  std::vector<StreamCounters> streams;  ///< cameras, then vehicle sensors
-  LatencyStats intake;                  ///< latency of the io thread
+  SensorCounters counters;
+  LatencyStats intake;  ///< latency of the io thread
 };
 
 }  // namespace infuse::daemon

@@ -2,12 +2,9 @@
 
 namespace infuse::daemon {
 
-void Totals::start_at(Stamp stamp, size_t lidars, size_t streams_after_them) {
+void Totals::start_at(Stamp stamp) {
   started = true;
   start = now = stamp;
-  counters.resize(lidars);
-  streams.resize(streams_after_them);
-  levels.resize(lidars + streams_after_them);
 }
 
 void Totals::count(const SweepReport& report) {
@@ -31,14 +28,11 @@ void Totals::count(const AlertReport& report) {
   if (first_alerts.size() < kMaxFirstAlerts) first_alerts.push_back(report);
 }
 
-void Totals::update(const ReportItem& tick, const HealthReport& health) {
+void Totals::update(const ReportItem& tick, const SensorLevels& sensor_levels) {
   now = tick.stamp;
   counters = tick.counters;
-  streams = tick.streams;
   odometry = tick.odometry;
-  levels.clear();
-  for (const auto& sensor : health.sensors) levels.push_back(sensor.status.level);
-  for (const auto& stream : health.streams) levels.push_back(stream.status.level);
+  levels = sensor_levels;
 }
 
 }  // namespace infuse::daemon

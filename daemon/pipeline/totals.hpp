@@ -16,8 +16,7 @@ struct Totals {
   Stamp start, now;                                       ///< drive time
   uint64_t alerts = 0;                                    ///< number of raised alerts
   std::vector<AlertReport> first_alerts;                  ///< the first of these
-  std::vector<LidarCounters> counters;                    ///< by LidarIndex
-  std::vector<StreamCounters> streams;                    ///< by device that follows the lidars
+  SensorCounters counters;                                ///< at the last tick
   uint64_t sweeps = 0;                                    ///< number of SWEEP reports
   uint64_t deskewed_sweeps = 0;                           ///< of these, deskewed
   const char* deskew_reason = "";                         ///< why the last other one is not
@@ -25,18 +24,21 @@ struct Totals {
   uint64_t matched_frames = 0;                            ///< of these, matched with a sweep
   OdometryStatus odometry;                                ///< at the last tick
   std::map<std::string, CalibrationReport> calibrations;  ///< the last of each camera
-  std::vector<Level> levels;                              ///< by device, at the last tick
+  SensorLevels levels;                                    ///< at the last tick
   HostStats host;
 
-  /// Starts the totals of so many devices.
-  void start_at(Stamp stamp, size_t lidars, size_t streams_after_them);
+  Totals() = default;
+  explicit Totals(const SensorSetup& setup) : counters(setup), levels(setup) {}
+
+  /// Starts the drive.
+  void start_at(Stamp stamp);
 
   void count(const SweepReport& report);
   void count(const FrameReport& report);
   void count(const AlertReport& report);
 
   /// Keeps what a tick reports.
-  void update(const ReportItem& tick, const HealthReport& health);
+  void update(const ReportItem& tick, const SensorLevels& sensor_levels);
 };
 
 }  // namespace infuse::daemon

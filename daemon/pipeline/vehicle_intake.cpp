@@ -2,9 +2,8 @@
 
 namespace infuse::daemon {
 
-VehicleIntake::VehicleIntake(const VehicleSetup& setup)
-    : has_speed_(setup.has_speed), has_imu_(setup.has_imu), has_gnss_(setup.has_gnss) {
-  for (const auto& decoder : setup.buses) buses_.push_back({decoder, {}});
+VehicleIntake::VehicleIntake(const VehicleSetup& setup) {
+  for (const BusSetup& bus : setup.buses) buses_.push_back({bus.decoder, {}});
 }
 
 std::optional<vehicle::CanFrame> VehicleIntake::read(std::string_view line) {
@@ -19,11 +18,11 @@ void VehicleIntake::count(StreamCounters& counters, Stamp stamp) {
   ++counters.used;
 }
 
-void VehicleIntake::write_counters(StreamCounters* first) const {
-  for (const Bus& bus : buses_) *first++ = bus.counters;
-  if (has_speed_) *first++ = speed_;
-  if (has_imu_) *first++ = imu_;
-  if (has_gnss_) *first++ = gnss_;
+void VehicleIntake::write_counters(SensorCounters& counters) const {
+  for (size_t i = 0; i < buses_.size(); ++i) counters.buses[i] = buses_[i].counters;
+  counters.speed = speed_;
+  counters.imu = imu_;
+  counters.gnss = gnss_;
 }
 
 }  // namespace infuse::daemon

@@ -5,9 +5,8 @@
 #include <vector>
 
 #include "daemon/health/stream_counters.hpp"
-#include "daemon/pipeline/sensor_index.hpp"
 #include "daemon/pipeline/vehicle_sample.hpp"
-#include "daemon/pipeline/vehicle_setup.hpp"
+#include "daemon/setup/sensor_table.hpp"
 #include "drivers/vehicle/candump.hpp"
 
 namespace infuse::daemon {
@@ -40,8 +39,8 @@ class VehicleIntake {
   /// Problems of the CAN log.
   const vehicle::ProblemLog& problems() const { return reader_.problems(); }
 
-  /// Writes the counters of all streams, in the order of PipelineSetup::devices, from `first` on.
-  void write_counters(StreamCounters* first) const;
+  /// Writes the counters of the vehicle's sensors.
+  void write_counters(SensorCounters& counters) const;
 
  private:
   struct Bus {
@@ -62,7 +61,6 @@ class VehicleIntake {
 
   vehicle::CandumpReader reader_{"can.log"};
   std::vector<Bus> buses_;
-  bool has_speed_, has_imu_, has_gnss_;
   StreamCounters speed_, imu_, gnss_;
 };
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "daemon/pipeline/image_match.hpp"
-#include "daemon/pipeline/sensor_index.hpp"
+#include "daemon/setup/sensor_id.hpp"
 #include "drivers/measurement/camera_frame.hpp"
 #include "fusion/features/sweep_view.hpp"
 

@@ -8,6 +8,7 @@
 #include "daemon/playback/play_lidar.hpp"
 #include "daemon/playback/read_image.hpp"
 #include "daemon/playback/sweep_pairing.hpp"
+#include "daemon/setup/drive_setup.hpp"
 #include "drivers/recording/drive_toml.hpp"
 #include "drivers/recording/times_csv.hpp"
 
@@ -19,7 +20,7 @@ namespace fs = std::filesystem;
 /// An open drive and the indices of the two sensors in it.
 struct OpenDrive {
   recording::Drive drive;
-  DriveSetup setup;
+  SensorSetup setup;
   size_t camera = 0;
   size_t lidar = 0;
   std::vector<recording::SequenceEntry> images;  ///< stamps are those of the exposures
@@ -123,7 +124,7 @@ Result<void> add_pairs(OpenDrive& drive, size_t camera, size_t count, const Scen
       ++unpaired;
       return {};
     }
-    auto frame = read_scene_image(images[k].path, drive.setup.cameras[drive.camera]);
+    auto frame = read_scene_image(images[k].path, drive.setup.cameras[drive.camera].image);
     if (!frame) return tl::unexpected(frame.error());
     const CameraIntrinsics& intrinsics = mount.intrinsics;
     if (frame->width != intrinsics.width || frame->height != intrinsics.height) {

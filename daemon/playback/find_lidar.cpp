@@ -2,11 +2,11 @@
 
 namespace infuse::daemon {
 
-Result<size_t> find_lidar(const DriveSetup& setup, const std::string& name) {
+Result<size_t> find_lidar(const SensorSetup& setup, const std::string& name) {
   std::string names;
   for (size_t i = 0; i < setup.lidars.size(); ++i) {
-    if (setup.lidars[i].name == name || (name.empty() && setup.lidars.size() == 1)) return i;
-    names += (i == 0 ? "" : ", ") + setup.lidars[i].name;
+    if (setup.lidars[i].device.name == name || (name.empty() && setup.lidars.size() == 1)) return i;
+    names += (i == 0 ? "" : ", ") + setup.lidars[i].device.name;
   }
   if (setup.lidars.empty()) return fail("there is no lidar", setup.path.string());
   return fail(name.empty() ? "there are several lidars" : "there is no lidar '" + name + "'",

@@ -2,11 +2,11 @@
 
 #include <string>
 
-#include "daemon/pipeline/drive_setup.hpp"
+#include "daemon/setup/drive_setup.hpp"
 
 namespace infuse::daemon {
 
 /// Index of the lidar of that name, or of the only one if the name is empty.
-Result<size_t> find_lidar(const DriveSetup& setup, const std::string& name);
+Result<size_t> find_lidar(const SensorSetup& setup, const std::string& name);
 
 }  // namespace infuse::daemon

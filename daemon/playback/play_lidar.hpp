@@ -2,7 +2,7 @@
 
 #include <variant>
 
-#include "daemon/pipeline/drive_setup.hpp"
+#include "daemon/setup/drive_setup.hpp"
 #include "daemon/pipeline/lidar_intake.hpp"
 #include "daemon/pipeline/vehicle_intake.hpp"
 
@@ -13,7 +13,7 @@ namespace infuse::daemon {
 /// DriveEvent&)`, which returns false to end early. At the drive's end the sweep being assembled is
 /// passed on too. Returns the lidar's counters.
 template <class OnSweep, class OnSample, class OnEvent>
-LidarCounters play_lidar(DriveSetup& setup, size_t lidar, OnSweep on_sweep, OnSample on_sample,
+LidarCounters play_lidar(SensorSetup& setup, size_t lidar, OnSweep on_sweep, OnSample on_sample,
                          OnEvent on_event) {
   LidarIntake intake(setup.lidars[lidar]);
   VehicleIntake vehicle(setup.vehicle);

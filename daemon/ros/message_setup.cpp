@@ -10,20 +10,18 @@ const lidar::LidarMaker* packet_maker(const lidar::LidarModel& model) {
 
 }  // namespace
 
-MessageSetup message_setup(const PipelineSetup& setup) {
+MessageSetup message_setup(const SensorSetup& setup) {
   MessageSetup messages{.rig = setup.rig};
   for (const LidarSetup& lidar : setup.lidars) {
     messages.packet_makers.push_back(lidar.has_packets ? packet_maker(*lidar.decoder.model)
                                                        : nullptr);
   }
-  for (const camera::ImageOptions& camera : setup.cameras) messages.mosaics.push_back(camera.bayer);
+  for (const CameraSetup& camera : setup.cameras) messages.mosaics.push_back(camera.image.bayer);
   if (setup.gnss_lidar) messages.gnss_lidar = *setup.gnss_lidar;
-  for (const Device& device : setup.devices) {
-    messages.has_bus |= device.kind == "can";
-    messages.has_motion |= device.kind == "speed" || device.kind == "imu";
-  }
-  messages.has_gnss = setup.vehicle.has_gnss;
-  messages.live = setup.delivery == Delivery::kOverwrite;
+  messages.has_bus = !setup.vehicle.buses.empty();
+  messages.has_motion = setup.vehicle.speed || setup.vehicle.imu;
+  messages.has_gnss = setup.vehicle.gnss.has_value();
+  messages.live = setup.live;
   return messages;
 }
 

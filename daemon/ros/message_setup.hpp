@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/pipeline/pipeline_setup.hpp"
+#include "daemon/setup/sensor_setup.hpp"
 #include "drivers/lidar/lidar_maker.hpp"
 
 namespace infuse::daemon {
@@ -21,6 +21,6 @@ struct MessageSetup {
   bool live = false;
 };
 
-MessageSetup message_setup(const PipelineSetup& setup);
+MessageSetup message_setup(const SensorSetup& setup);
 
 }  // namespace infuse::daemon

@@ -2,10 +2,17 @@
 
 #include <string>
 
+#include "daemon/command_line/arguments.hpp"
+
 namespace infuse::daemon {
 
 /// Name of the program in its messages.
 inline constexpr const char* kProgram = "infused";
+
+/// Prints why a run does not begin or has failed. Returns the exit code.
+inline int refuse(const Error& error, ExitCode code = kUsage) {
+  return print_error(kProgram, error, code);
+}
 
 /// Command-line arguments of `infused` for a run, live or a replay. An empty string means: not
 /// given.

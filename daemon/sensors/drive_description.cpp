@@ -36,7 +36,7 @@ uint16_t unused_port(const std::vector<recording::LidarFiles>& lidars) {
 /// Lidars on different ports may share the port of their position packets, by default 8308. Where
 /// no senders tell them apart, a drive holds those of the first only, or of the one that carries
 /// GNSS.
-void separate_position_ports(const LiveSetup& setup, DescribedDrive& drive) {
+void separate_position_ports(const SensorSetup& setup, DescribedDrive& drive) {
   std::vector<recording::LidarFiles>& lidars = drive.description.lidars;
   for (size_t i = 0; i < lidars.size(); ++i) {
     for (size_t j = 0; j < i; ++j) {
@@ -53,14 +53,14 @@ void separate_position_ports(const LiveSetup& setup, DescribedDrive& drive) {
   }
 }
 
-void describe_cameras(const LiveSetup& setup, DescribedDrive& drive) {
+void describe_cameras(const SensorSetup& setup, DescribedDrive& drive) {
   for (size_t i = 0; i < setup.rig.cameras.size(); ++i) {
     recording::CameraFiles files;
     files.images = "camera_" + std::to_string(i);
     drive.description.cameras.push_back(std::move(files));
   }
   for (size_t i = setup.rig.cameras.size(); i < setup.cameras.size(); ++i) {
-    drive.not_recorded.push_back("camera " + setup.camera_streams[i].device +
+    drive.not_recorded.push_back("camera " + setup.cameras[i].stream.device +
                                  ": it is not in the rig");
   }
 }
@@ -87,12 +87,12 @@ void describe_buses(const Config& config, DescribedDrive& drive) {
 
 }  // namespace
 
-DescribedDrive describe_drive(const Config& config, const LiveSetup& setup) {
+DescribedDrive describe_drive(const Config& config, const SensorSetup& setup) {
   DescribedDrive drive;
   drive.description.rig = setup.rig;
   for (size_t i = 0; i < setup.rig.lidars.size(); ++i) {
     LidarMount& mount = drive.description.rig.lidars[i];
-    mount.model = setup.devices[i].model;
+    mount.model = setup.lidars[i].device.model;
     describe_lidar(config, config.lidars[i], drive);
   }
   separate_position_ports(setup, drive);
@@ -100,7 +100,7 @@ DescribedDrive describe_drive(const Config& config, const LiveSetup& setup) {
   describe_buses(config, drive);
   if (setup.gnss_lidar) {
     drive.description.gnss_lidar = setup.rig.lidars[*setup.gnss_lidar].name;
-  } else if (setup.vehicle.has_gnss) {
+  } else if (setup.vehicle.gnss) {
     drive.description.gnss = "gnss.csv";
   }
   return drive;

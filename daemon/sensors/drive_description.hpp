@@ -2,7 +2,8 @@
 
 #include <vector>
 
-#include "daemon/sensors/live_setup.hpp"
+#include "daemon/config/config.hpp"
+#include "daemon/setup/sensor_setup.hpp"
 #include "drivers/recording/drive_writer.hpp"
 
 namespace infuse::daemon {
@@ -19,6 +20,6 @@ struct DescribedDrive {
 /// Describes the drive that a recording of these sensors produces: all lidars in one capture, the
 /// cameras of the rig, the frames of all CAN buses with the signals of the first bus that has a
 /// DBC, and the GNSS receiver.
-DescribedDrive describe_drive(const Config& config, const LiveSetup& setup);
+DescribedDrive describe_drive(const Config& config, const SensorSetup& setup);
 
 }  // namespace infuse::daemon

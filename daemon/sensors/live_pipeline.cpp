@@ -11,7 +11,7 @@ constexpr int kIoPriority = 10;
 
 }  // namespace
 
-LivePipeline::LivePipeline(boost::asio::io_context& io, LiveSetup setup,
+LivePipeline::LivePipeline(boost::asio::io_context& io, SensorSetup setup,
                            const PipelineOptions& options, Server& server,
                            std::function<void()> on_end, const receive::TimeBase& base,
                            RecordTap* tap)

@@ -6,7 +6,7 @@
 
 #include "daemon/pipeline/pipeline.hpp"
 #include "daemon/sensors/live_reader.hpp"
-#include "daemon/sensors/live_setup.hpp"
+#include "daemon/setup/sensor_setup.hpp"
 
 namespace infuse::daemon {
 
@@ -16,7 +16,7 @@ class LivePipeline {
  public:
   /// `on_end` is called on the thread of `io` when every report has been published and the threads
   /// have ended. `io`, `server` and `tap`, which may be null, must outlive this object.
-  LivePipeline(boost::asio::io_context& io, LiveSetup setup, const PipelineOptions& options,
+  LivePipeline(boost::asio::io_context& io, SensorSetup setup, const PipelineOptions& options,
                Server& server, std::function<void()> on_end,
                const receive::TimeBase& base = receive::TimeBase(), RecordTap* tap = nullptr);
 
@@ -28,10 +28,10 @@ class LivePipeline {
 
   Pipeline& pipeline() { return pipeline_; }
   Publisher& publisher() { return pipeline_.publisher(); }
-  const LiveSetup& setup() const { return setup_; }
+  const SensorSetup& setup() const { return setup_; }
 
  private:
-  LiveSetup setup_;
+  SensorSetup setup_;
   std::optional<LiveReader> reader_;  // must outlive the thread that runs it
   Pipeline pipeline_;
 };

@@ -11,46 +11,39 @@ constexpr int kMaxBatchesPerRead = 4;  // from one socket, before the others are
 
 }  // namespace
 
-LiveReader::LiveReader(const LiveSetup& setup, Intake& intake, const receive::TimeBase& base,
+LiveReader::LiveReader(const SensorSetup& setup, Intake& intake, const receive::TimeBase& base,
                        RecordTap* tap)
-    : base_(base),
-      intake_(intake),
-      tap_(tap),
-      lidars_(setup.lidars.size()),
-      gnss_lidar_(setup.gnss_lidar) {
+    : base_(base), intake_(intake), tap_(tap), gnss_lidar_(setup.gnss_lidar) {
+  std::vector<std::filesystem::path> devices;
   for (const PortSetup& port : setup.ports) {
     ports_.push_back({port, {"UDP port " + std::to_string(port.udp.port), [this, udp = port.udp] {
                                return lidar::UdpSource::open(udp, base_);
                              }}});
   }
   for (size_t i = 0; i < setup.cameras.size(); ++i) {
-    const camera::V4l2Options& stream = setup.camera_streams[i];
-    cameras_.push_back({{"camera " + stream.device,
-                         [this, stream] { return camera::V4l2Source::open(stream, base_); }}});
-    used_.push_back(i < setup.rig.cameras.size());
-  }
-  for (size_t i = 0; i < setup.interfaces.size(); ++i) {
-    const vehicle::SocketCanOptions& bus = setup.interfaces[i];
-    buses_.push_back({{"CAN bus " + bus.interface,
-                       [this, bus] { return vehicle::SocketCanSource::open(bus, base_); }}});
-    used_.push_back(setup.vehicle.buses[i].has_value());
-  }
-  if (setup.gnss) {
-    gnss_.emplace("GNSS receiver " + setup.gnss->device, [this, serial = *setup.gnss] {
-      return vehicle::SerialLineSource::open(serial, base_);
-    });
-  }
-  if (setup.vehicle.has_gnss) used_.push_back(true);
-  std::vector<std::filesystem::path> devices;
-  for (const camera::V4l2Options& stream : setup.camera_streams) {
+    const camera::V4l2Options& stream = setup.cameras[i].stream;
+    Camera& camera = cameras_.emplace_back(Camera{{"camera " + stream.device, [this, stream] {
+                                                     return camera::V4l2Source::open(stream, base_);
+                                                   }}});
+    camera.used = setup.is_mounted(CameraIndex(i));
     devices.emplace_back(stream.device);
   }
-  if (setup.gnss) devices.emplace_back(setup.gnss->device);
+  for (const BusSetup& setup_of_bus : setup.vehicle.buses) {
+    const vehicle::SocketCanOptions& socket = setup_of_bus.interface;
+    Bus& bus = buses_.emplace_back(Bus{{"CAN bus " + socket.interface, [this, socket] {
+                                          return vehicle::SocketCanSource::open(socket, base_);
+                                        }}});
+    bus.used = setup_of_bus.decoder.has_value();
+  }
+  if (setup.gnss_serial) {
+    gnss_.emplace("GNSS receiver " + setup.gnss_serial->device,
+                  [this, serial = *setup.gnss_serial] {
+                    return vehicle::SerialLineSource::open(serial, base_);
+                  });
+    devices.emplace_back(setup.gnss_serial->device);
+  }
   devices_.emplace(devices);
-  SourceStates& states = intake_.sources();
-  states.lidars.resize(lidars_);
-  states.streams.resize(setup.stream_count());
-  states.dropped.resize(setup.stream_count());
+  intake_.sources() = SourceStates(setup);
 }
 
 void LiveReader::run(std::stop_token stop) {
@@ -110,10 +103,10 @@ void LiveReader::read_ready_sources() {
     if (ready()) read_port(port);
   }
   for (size_t i = 0; i < cameras_.size(); ++i) {
-    if (ready()) read_camera(i);
+    if (ready()) read_camera(CameraIndex(i));
   }
   for (size_t i = 0; i < buses_.size(); ++i) {
-    if (ready()) read_bus(i);
+    if (ready()) read_bus(BusIndex(i));
   }
   if (gnss_ && ready()) read_gnss();
   if (ready() && devices_->consume_changes()) retry_now();
@@ -138,9 +131,9 @@ void LiveReader::count_dropped(Port& port) {
   const uint64_t more = dropped - std::exchange(port.reported_dropped, dropped);
   const PortSetup::Sender& sender = port.setup.senders.front();
   if (!port.source.get()->filters_senders()) {
-    intake_.add_kernel_dropped(LidarIndex(sender.lidar), more, sender.data);
+    intake_.add_kernel_dropped(sender.lidar, more, sender.data);
   } else if (sender.data) {
-    intake_.add_filtered(LidarIndex(sender.lidar), more);
+    intake_.add_filtered(sender.lidar, more);
   }
 }
 
@@ -150,7 +143,7 @@ void LiveReader::read_port(Port& port) {
     const auto count = source->read(datagrams_, [&](const Datagram& datagram) {
       // Count the kernel's drops first: they must not be counted as network losses too.
       count_dropped(port);
-      intake_.add_datagram(LidarIndex(port.setup.lidar_of(datagram.sender)), datagram);
+      intake_.add_datagram(port.setup.lidar_of(datagram.sender), datagram);
       if (tap_ != nullptr) tap_->add_datagram(datagram);
     });
     if (!count) return close_source(port.source, count.error());
@@ -159,27 +152,27 @@ void LiveReader::read_port(Port& port) {
   }
 }
 
-void LiveReader::read_camera(size_t index) {
+void LiveReader::read_camera(CameraIndex index) {
   Camera& camera = cameras_[index];
   camera::V4l2Source* source = camera.source.get();
   const auto read = source->read([&](const camera::StreamedImage& image) {
     camera::StreamedImage counted = image;
     counted.sequence += camera.sequence_offset;
     camera.next_sequence = counted.sequence + 1;
-    intake_.add_streamed_image(CameraIndex(index), counted);
-    if (tap_ != nullptr && used_[index]) tap_->add_image(index, counted);
+    intake_.add_streamed_image(index, counted);
+    if (tap_ != nullptr && camera.used) tap_->add_image(index, counted);
   });
   if (read) return;
   camera.damaged_before += source->counters().damaged;
   close_source(camera.source, read.error());
 }
 
-void LiveReader::read_bus(size_t index) {
+void LiveReader::read_bus(BusIndex index) {
   Bus& bus = buses_[index];
   vehicle::SocketCanSource* source = bus.source.get();
   for (int batch = 0; batch < kMaxBatchesPerRead; ++batch) {
     const auto count = source->read(frames_, [&](const vehicle::CanFrame& frame) {
-      intake_.add_can_frame(BusIndex(index), frame);
+      intake_.add_can_frame(index, frame);
       if (tap_ != nullptr) tap_->add_can_frame(frame);
     });
     if (!count) {
@@ -208,6 +201,14 @@ void LiveReader::read_gnss() {
 
 void LiveReader::update_source_states() {
   SourceStates& states = intake_.sources();
+  update_port_states(states);
+  update_camera_states(states);
+  update_bus_states(states);
+  if (gnss_) states.gnss.state = gnss_->state();
+  if (gnss_lidar_) states.gnss.state = states.lidars[*gnss_lidar_];
+}
+
+void LiveReader::update_port_states(SourceStates& states) {
   for (Port& port : ports_) {
     SourceState& state = port.source.state();
     if (const lidar::UdpSource* source = port.source.get()) {
@@ -219,14 +220,22 @@ void LiveReader::update_source_states() {
       if (sender.data) states.lidars[sender.lidar] = state;
     }
   }
-  size_t stream = 0;
-  for (Camera& camera : cameras_) {
-    states.streams[stream] = camera.source.state();
-    const auto* source = camera.source.get();
-    states.dropped[stream++] =
+}
+
+void LiveReader::update_camera_states(SourceStates& states) {
+  for (size_t i = 0; i < cameras_.size(); ++i) {
+    Camera& camera = cameras_[i];
+    const camera::V4l2Source* source = camera.source.get();
+    states.cameras[i].state = camera.source.state();
+    states.cameras[i].state.used = camera.used;
+    states.cameras[i].dropped =
         camera.damaged_before + (source != nullptr ? source->counters().damaged : 0);
   }
-  for (Bus& bus : buses_) {
+}
+
+void LiveReader::update_bus_states(SourceStates& states) {
+  for (size_t i = 0; i < buses_.size(); ++i) {
+    Bus& bus = buses_[i];
     SourceState& state = bus.source.state();
     const vehicle::SocketCanSource* source = bus.source.get();
     if (source != nullptr) {
@@ -238,12 +247,10 @@ void LiveReader::update_source_states() {
       state.stamp_source = source->stamped_by_hardware() ? "hardware" : "kernel";
       if (!state.open) state.set_problem(source->interface() + ": the interface is down");
     }
-    states.streams[stream] = state;
-    states.dropped[stream++] = bus.dropped_before + (source != nullptr ? source->dropped() : 0);
+    states.buses[i].state = state;
+    states.buses[i].state.used = bus.used;
+    states.buses[i].dropped = bus.dropped_before + (source != nullptr ? source->dropped() : 0);
   }
-  if (gnss_) states.streams[stream] = gnss_->state();
-  if (gnss_lidar_) states.streams[stream] = states.lidars[*gnss_lidar_];
-  for (size_t i = 0; i < used_.size(); ++i) states.streams[i].used = used_[i];
 }
 
 }  // namespace infuse::daemon

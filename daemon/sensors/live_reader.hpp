@@ -9,8 +9,8 @@
 
 #include "daemon/pipeline/intake.hpp"
 #include "daemon/record/record_tap.hpp"
-#include "daemon/sensors/live_setup.hpp"
 #include "daemon/sensors/reopening_source.hpp"
+#include "daemon/setup/sensor_setup.hpp"
 #include "drivers/camera/v4l2_source.hpp"
 #include "drivers/gnss/nmea.hpp"
 #include "drivers/host/device_watch.hpp"
@@ -26,7 +26,8 @@ namespace infuse::daemon {
 class LiveReader {
  public:
   /// `intake` and `tap` must outlive this object; `tap` may be null.
-  LiveReader(const LiveSetup& setup, Intake& intake, const receive::TimeBase& base, RecordTap* tap);
+  LiveReader(const SensorSetup& setup, Intake& intake, const receive::TimeBase& base,
+             RecordTap* tap);
 
   /// Runs until a stop is requested. The last item passed on is always a kEnd.
   void run(std::stop_token stop);
@@ -41,6 +42,7 @@ class LiveReader {
   };
   struct Bus {
     ReopeningSource<vehicle::SocketCanSource> source;
+    bool used = true;             // false: frames are only counted
     uint64_t dropped_before = 0;  // by sockets that have been closed
     uint64_t frames = 0;
   };
@@ -49,6 +51,7 @@ class LiveReader {
     uint64_t sequence_offset = 0;  // keeps sequence numbers increasing when a camera is reopened
     uint64_t next_sequence = 0;
     uint64_t damaged_before = 0;
+    bool used = true;  // false: images are only counted
   };
 
   void reopen_sources(Stamp now);
@@ -57,24 +60,25 @@ class LiveReader {
   void retry_now();
   void read_port(Port& port);
   void count_dropped(Port& port);
-  void read_camera(size_t camera);
-  void read_bus(size_t bus);
+  void read_camera(CameraIndex camera);
+  void read_bus(BusIndex bus);
   void read_gnss();
   template <class Source>
   void close_source(ReopeningSource<Source>& source, const Error& error);
   void update_source_states();
+  void update_port_states(SourceStates& states);
+  void update_camera_states(SourceStates& states);
+  void update_bus_states(SourceStates& states);
 
   const receive::TimeBase base_;
   Intake& intake_;
   RecordTap* tap_;
   std::deque<Port> ports_;
-  std::deque<Camera> cameras_;
-  std::deque<Bus> buses_;
+  std::deque<Camera> cameras_;  // by CameraIndex
+  std::deque<Bus> buses_;       // by BusIndex
   std::optional<ReopeningSource<vehicle::SerialLineSource>> gnss_;
   std::optional<receive::DeviceWatch> devices_;
-  size_t lidars_;
   std::optional<LidarIndex> gnss_lidar_;
-  std::vector<bool> used_;  // by stream index
   receive::MessageBatch datagrams_{64, makers::max_datagram()};
   receive::MessageBatch frames_ = vehicle::make_can_batch();
   std::vector<pollfd> poll_set_;

@@ -52,7 +52,7 @@ bool is_recording_name(const std::string& name) {
          std::all_of(name.begin(), name.end(), is_name_char) && !name.starts_with(kAlertPrefix);
 }
 
-RecordingController::RecordingController(const Config& config, const LiveSetup& setup,
+RecordingController::RecordingController(const Config& config, const SensorSetup& setup,
                                          std::function<Stamp()> now, RecorderThread thread)
     : settings_(config.record),
       now_(std::move(now)),

@@ -18,7 +18,7 @@ class RecordingController {
   /// Records into the configured folder, or into `drives` in the service manager's state directory
   /// ($STATE_DIRECTORY). Recording is disabled if there is neither.
   /// `now`: the present; called by any thread.
-  RecordingController(const Config& config, const LiveSetup& setup, std::function<Stamp()> now,
+  RecordingController(const Config& config, const SensorSetup& setup, std::function<Stamp()> now,
                       RecorderThread thread = RecorderThread::kOwn);
 
   /// The recorder's input, for the io thread; null if recording is disabled.

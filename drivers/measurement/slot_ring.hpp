@@ -1,8 +1,11 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <concepts>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -63,13 +66,23 @@ class Pin {
 ///
 /// The producer fills `slot()` and calls `publish()`, which then claims the slot of the oldest
 /// unpinned entry. The producer never waits: if every other slot is pinned, the current entry is
-/// dropped. A dropped entry has a position, and is lost to every reader.
+/// dropped. A dropped entry has a position, and is lost to every reader. An entry that must not be
+/// lost to a slow reader is published with `Keep::kUntilRead`.
 ///
 /// SlotStates documents why no entry is overwritten while a reader holds it.
 template <std::movable T>
 class SlotRing {
  public:
   class Reader;
+
+  /// Whether an entry may be overwritten before every registered reader has passed it.
+  enum class Keep : uint8_t {
+    kNo,
+    kUntilRead,  ///< not while it is one of the last `kMaxKept` of these
+  };
+  /// Maximum number of entries that are kept for slow readers. A capacity that is larger by more
+  /// than the pins that readers hold always leaves room for the others.
+  static constexpr size_t kMaxKept = 8;
 
   /// Holds up to `capacity` published entries, plus the slot that the producer fills. Each slot is
   /// created by `factory()`. `arrivals`: see RingCore.
@@ -86,7 +99,7 @@ class SlotRing {
 
   /// Publishes the current slot and claims another one. False if the entry was dropped because all
   /// other slots are pinned. Wait-free.
-  bool publish();
+  bool publish(Keep keep = Keep::kNo);
 
   /// True if the next `publish` neither overwrites an entry that a registered reader has yet to
   /// read nor drops one. Reserves that slot at once, so that the answer stays true.
@@ -117,14 +130,18 @@ class SlotRing {
   /// Returns a slot for the producer: an unused one, or that of the oldest unpinned entry before
   /// position `before`.
   std::optional<size_t> claim_slot(uint64_t before);
+  /// The same before any position, that of a kept entry only if there is no other.
+  std::optional<size_t> claim_unkept_slot();
 
   std::vector<T> objects_;
   RingCore core_;
   SlotStates states_;
   // Used by the producer only:
   size_t slot_ = 0;
-  size_t unused_ = 1;               ///< slots from here on have never been claimed
-  std::optional<size_t> reserved_;  ///< the next slot, if `has_room` has reserved it
+  size_t unused_ = 1;                      ///< slots from here on have never been claimed
+  std::optional<size_t> reserved_;         ///< the next slot, if `has_room` has reserved it
+  std::array<uint64_t, kMaxKept> kept_{};  ///< positions of the last kept entries, a ring
+  size_t kept_count_ = 0;                  ///< so far
   std::atomic<uint64_t> dropped_{0};
 };
 
@@ -159,10 +176,24 @@ std::optional<size_t> SlotRing<T>::claim_slot(uint64_t before) {
 }
 
 template <std::movable T>
-bool SlotRing<T>::publish() {
+std::optional<size_t> SlotRing<T>::claim_unkept_slot() {
+  if (unused_ < objects_.size()) return unused_++;
+  const uint64_t slowest = core_.slowest_cursor();
+  std::array<uint64_t, kMaxKept> unread;
+  size_t count = 0;
+  for (size_t i = 0; i < std::min(kept_count_, kMaxKept); ++i) {
+    if (kept_[i] >= slowest) unread[count++] = kept_[i];
+  }
+  const auto slot = states_.claim_oldest(RingCore::kNoReader, std::span(unread.data(), count));
+  return slot ? slot : states_.claim_oldest(RingCore::kNoReader);
+}
+
+template <std::movable T>
+bool SlotRing<T>::publish(Keep keep) {
   const std::optional<size_t> next =
-      reserved_ ? std::exchange(reserved_, std::nullopt) : claim_slot(RingCore::kNoReader);
+      reserved_ ? std::exchange(reserved_, std::nullopt) : claim_unkept_slot();
   const uint64_t position = core_.published();
+  if (next && keep == Keep::kUntilRead) kept_[kept_count_++ % kMaxKept] = position;
   if (next) {
     states_.publish(slot_, position);
     slot_ = *next;

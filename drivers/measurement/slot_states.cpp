@@ -1,5 +1,7 @@
 #include "drivers/measurement/slot_states.hpp"
 
+#include <algorithm>
+
 #include "drivers/measurement/ring_core.hpp"
 
 namespace infuse {
@@ -20,7 +22,7 @@ SlotStates::SlotStates(size_t slots, EventCount& room)
 
 void SlotStates::publish(size_t slot, uint64_t position) { slots_[slot].store(unpinned(position)); }
 
-std::optional<size_t> SlotStates::claim_oldest(uint64_t before) {
+std::optional<size_t> SlotStates::claim_oldest(uint64_t before, std::span<const uint64_t> kept) {
   for (size_t attempt = 0; attempt < count_; ++attempt) {
     std::optional<size_t> oldest;
     uint64_t oldest_state = UINT64_MAX;
@@ -28,6 +30,7 @@ std::optional<size_t> SlotStates::claim_oldest(uint64_t before) {
       const uint64_t state = slots_[slot].load();
       if (!is_entry(state) || (state & kPinMask) != 0 || position_of(state) >= before) continue;
       if (state >= oldest_state) continue;
+      if (std::find(kept.begin(), kept.end(), position_of(state)) != kept.end()) continue;
       oldest = slot;
       oldest_state = state;
     }

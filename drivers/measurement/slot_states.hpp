@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "drivers/measurement/event_count.hpp"
 
@@ -33,9 +34,10 @@ class SlotStates {
   /// Publishes a slot that the producer owns. Positions below 2^48.
   void publish(size_t slot, uint64_t position);
 
-  /// Claims the slot with the oldest unpinned entry before position `before`. Nothing if there is
-  /// no such entry, or if readers pinned the candidate in as many attempts as there are slots.
-  std::optional<size_t> claim_oldest(uint64_t before);
+  /// Claims the slot with the oldest unpinned entry before position `before` that is none of
+  /// `kept`. Nothing if there is no such entry, or if readers pinned the candidate in as many
+  /// attempts as there are slots.
+  std::optional<size_t> claim_oldest(uint64_t before, std::span<const uint64_t> kept = {});
 
   // --- for any thread ---
 

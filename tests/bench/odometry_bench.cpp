@@ -18,6 +18,7 @@
 #include <string>
 
 #include "daemon/playback/play_lidar.hpp"
+#include "daemon/setup/drive_setup.hpp"
 #include "drivers/measurement/angles.hpp"
 #include "drivers/measurement/median.hpp"
 #include "drivers/recording/drive.hpp"

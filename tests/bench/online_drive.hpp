@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/pipeline/drive_setup.hpp"
+#include "daemon/setup/drive_setup.hpp"
 #include "drivers/camera/colour.hpp"
 #include "drivers/camera/image_decoder.hpp"
 #include "drivers/recording/drive.hpp"

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "daemon/pipeline/drive_setup.hpp"
+#include "daemon/setup/drive_setup.hpp"
 #include "daemon/pipeline/lidar_intake.hpp"
 #include "daemon/streetmap/street_plan_from_osm.hpp"
 #include "drivers/camera/image_decoder.hpp"

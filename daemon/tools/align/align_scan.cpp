@@ -7,6 +7,7 @@
 #include "daemon/playback/find_lidar.hpp"
 #include "daemon/playback/play_lidar.hpp"
 #include "daemon/playback/read_image.hpp"
+#include "daemon/setup/drive_setup.hpp"
 #include "drivers/recording/sweep_export.hpp"
 #include "drivers/recording/sweep_files.hpp"
 #include "drivers/recording/times_csv.hpp"
@@ -53,7 +54,7 @@ Result<std::vector<CameraImages>> list_images(const std::string& path, const std
 }
 
 /// Adds the image of each camera that is nearest to the time.
-Result<void> read_images(const std::vector<CameraImages>& cameras, const DriveSetup& setup,
+Result<void> read_images(const std::vector<CameraImages>& cameras, const SensorSetup& setup,
                          Stamp time, AlignScan& out) {
   for (const CameraImages& images : cameras) {
     const CameraMount& mount = setup.rig.cameras[images.camera];
@@ -62,7 +63,7 @@ Result<void> read_images(const std::vector<CameraImages>& cameras, const DriveSe
       return fail("camera '" + mount.name + "' has no image within 50 ms of the sweep",
                   setup.path.string(), "choose another sweep");
     }
-    auto frame = read_scene_image(image.path, setup.cameras[images.camera]);
+    auto frame = read_scene_image(image.path, setup.cameras[images.camera].image);
     if (!frame) return tl::unexpected(frame.error());
     out.cameras.push_back(mount);
     out.images.push_back(std::move(*frame));

@@ -7,6 +7,7 @@
 #include "daemon/command_line/progress_line.hpp"
 #include "daemon/playback/play_lidar.hpp"
 #include "daemon/playback/read_image.hpp"
+#include "daemon/setup/drive_setup.hpp"
 #include "drivers/camera/colour.hpp"
 #include "drivers/recording/drive.hpp"
 #include "drivers/recording/drive_toml.hpp"
@@ -149,7 +150,7 @@ class ImageSweepPairing {
   bool has_last_ = false;
 };
 
-void read_drive(DriveSetup& setup, size_t camera, size_t lidar, ImageSweepPairing& pairing) {
+void read_drive(SensorSetup& setup, size_t camera, size_t lidar, ImageSweepPairing& pairing) {
   ProgressLine line;
   const auto on_sweep = [&](Sweep& sweep) { pairing.add_sweep(sweep); };
   const auto on_sample = [](const VehicleSample&) {};

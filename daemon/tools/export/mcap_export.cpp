@@ -3,7 +3,6 @@
 #include <functional>
 #include <memory>
 
-#include "daemon/pipeline/drive_setup.hpp"
 #include "daemon/pipeline/lidar_intake.hpp"
 #include "daemon/pipeline/vehicle_intake.hpp"
 #include "daemon/playback/deskewed_sweeps.hpp"
@@ -11,6 +10,7 @@
 #include "daemon/ros/report_messages.hpp"
 #include "daemon/ros/ros_file.hpp"
 #include "daemon/ros/sensor_messages.hpp"
+#include "daemon/setup/drive_setup.hpp"
 #include "drivers/mcap/mcap_reader.hpp"
 #include "drivers/recording/mapped_file.hpp"
 #include "drivers/text/text_file.hpp"
@@ -21,7 +21,7 @@ namespace {
 /// Writes the events of a drive.
 class DriveExport {
  public:
-  DriveExport(const DriveSetup& setup, RosFile& file, bool deskew)
+  DriveExport(const SensorSetup& setup, RosFile& file, bool deskew)
       : setup_(setup), messages_(message_setup(setup), file), vehicle_(setup.vehicle) {
     const MessageSetup messages = message_setup(setup);
     for (size_t k = 0; k < setup.rig.lidars.size(); ++k) {
@@ -125,7 +125,7 @@ class DriveExport {
     messages_.write_image(event.camera,
                           {{reinterpret_cast<const uint8_t*>(file->data()), file->size()},
                            event.path->extension() == ".png",
-                           setup_.cameras[event.camera].bayer},
+                           setup_.cameras[event.camera].image.bayer},
                           stamp);
   }
 
@@ -134,7 +134,7 @@ class DriveExport {
     messages_.write_sample(sample, from_bus);
   }
 
-  const DriveSetup& setup_;
+  const SensorSetup& setup_;
   SensorMessages messages_;
   VehicleIntake vehicle_;
   std::vector<bool> writes_raw_;  ///< by lidar: there is no message for its packets

@@ -3,7 +3,7 @@
 namespace infuse::daemon {
 namespace {
 
-OdometrySettings lidar_replay_settings(const DriveSetup& setup, size_t lidar) {
+OdometrySettings lidar_replay_settings(const SensorSetup& setup, size_t lidar) {
   OdometrySettings settings;
   // As in the pipeline: sensors that measure in the vehicle's axes know what is forward.
   settings.filter.moves_forward =
@@ -13,7 +13,7 @@ OdometrySettings lidar_replay_settings(const DriveSetup& setup, size_t lidar) {
 
 }  // namespace
 
-LidarReplay::LidarReplay(const DriveSetup& setup, size_t lidar)
+LidarReplay::LidarReplay(const SensorSetup& setup, size_t lidar)
     : odometry_(lidar_replay_settings(setup, lidar), true, setup.rig.lidars[lidar].T_vehicle_lidar),
       lidar_motion_(setup.rig.lidars[lidar].T_vehicle_lidar),
       deskewer_(setup.rig.lidars[lidar].T_vehicle_lidar),

@@ -2,7 +2,7 @@
 
 #include <deque>
 
-#include "daemon/pipeline/drive_setup.hpp"
+#include "daemon/setup/drive_setup.hpp"
 #include "daemon/pipeline/lidar_motion.hpp"
 #include "fusion/mapping/keyframes.hpp"
 
@@ -13,7 +13,7 @@ namespace infuse::daemon {
 /// registered, and deskewed by what odometry then knows.
 class LidarReplay {
  public:
-  LidarReplay(const DriveSetup& setup, size_t lidar);
+  LidarReplay(const SensorSetup& setup, size_t lidar);
 
   void add_sample(const VehicleSample& sample) { odometry_.add(sample); }
   void add_sweep(const Sweep& sweep);

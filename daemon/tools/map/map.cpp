@@ -14,6 +14,7 @@
 #include "daemon/mapping/map_merge.hpp"
 #include "daemon/playback/find_lidar.hpp"
 #include "daemon/protocol/json.hpp"
+#include "daemon/setup/drive_setup.hpp"
 #include "daemon/tools/map/map_drive.hpp"
 #include "daemon/tools/map/map_export.hpp"
 #include "daemon/tools/map/map_locate.hpp"

@@ -41,10 +41,10 @@ std::string name_of_path(const std::filesystem::path& path) {
 }
 
 /// What a map is made of and how.
-MapJson identity_of(const DriveSetup& setup, size_t lidar, const MapSettings& settings) {
+MapJson identity_of(const SensorSetup& setup, size_t lidar, const MapSettings& settings) {
   MapJson json = make_manifest();
   json["sources"] = {{{"name", name_of_path(setup.path)}, {"bytes", bytes_of(setup.path)}}};
-  json["lidar"] = setup.lidars[lidar].name;
+  json["lidar"] = setup.lidars[lidar].device.name;
   json["T_vehicle_lidar"] = encode(setup.rig.lidars[lidar].T_vehicle_lidar);
   json["settings"] = to_json(settings);
   return json;
@@ -171,7 +171,7 @@ class DriveMapper {
 
 }  // namespace
 
-Result<void> replay_to_map(const MapFolder& folder, DriveSetup& setup, size_t lidar,
+Result<void> replay_to_map(const MapFolder& folder, SensorSetup& setup, size_t lidar,
                            const MapSettings& settings) {
   if (auto created = folder.create(); !created) return created;
   MapJson identity = identity_of(setup, lidar, settings);

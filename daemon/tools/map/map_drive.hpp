@@ -4,7 +4,7 @@
 
 #include "daemon/mapping/map_folder.hpp"
 #include "daemon/mapping/map_settings.hpp"
-#include "daemon/pipeline/drive_setup.hpp"
+#include "daemon/setup/drive_setup.hpp"
 
 namespace infuse::daemon {
 
@@ -12,7 +12,7 @@ namespace infuse::daemon {
 /// folder, drive.json last. A folder whose drive.json is of this drive, lidar and settings is left
 /// as it is: `finish_map` goes on. Fails if it is of another drive or other settings. A run that is
 /// interrupted before drive.json begins the replay anew and writes the same bytes.
-Result<void> replay_to_map(const MapFolder& folder, DriveSetup& setup, size_t lidar,
+Result<void> replay_to_map(const MapFolder& folder, SensorSetup& setup, size_t lidar,
                            const MapSettings& settings);
 
 }  // namespace infuse::daemon

@@ -13,6 +13,7 @@
 #include "daemon/playback/find_lidar.hpp"
 #include "daemon/playback/play_lidar.hpp"
 #include "daemon/protocol/json.hpp"
+#include "daemon/setup/drive_setup.hpp"
 #include "daemon/tools/map/lidar_replay.hpp"
 #include "drivers/recording/trajectory_file.hpp"
 #include "drivers/text/text_file.hpp"
@@ -99,7 +100,7 @@ class LocatedDrive {
 };
 
 /// Why the map cannot be read, or nothing.
-std::optional<Error> locate(DriveSetup& setup, size_t lidar, places::Localiser& localiser,
+std::optional<Error> locate(SensorSetup& setup, size_t lidar, places::Localiser& localiser,
                             LocatedDrive& located) {
   LidarReplay odometry(setup, lidar);
   features::AirReturns air;

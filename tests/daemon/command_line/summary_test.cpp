@@ -13,8 +13,9 @@ Summary lidar_summary() {
   Summary summary;
   summary.path = "street.pcap";
   summary.host_s = 2;
-  summary.devices.push_back({"top", "lidar", "VLP-16", "configured", "port 2368", std::nullopt});
-  LidarCounters& counters = summary.totals.counters.emplace_back();
+  summary.sensors.push_back({{SensorKind::kLidar, 0},
+                             {"top", "lidar", "VLP-16", "configured", "port 2368", std::nullopt}});
+  LidarCounters& counters = summary.totals.counters.lidars.emplace_back();
   counters.packets = 7540;
   counters.lost_network = 20;
   counters.lost_kernel = 3;
@@ -24,7 +25,7 @@ Summary lidar_summary() {
   counters.returns = 2'000'000;
   counters.first_packet = Stamp::from_ns(0);
   counters.last_packet = Stamp::from_ns(10'000'000'000);
-  summary.totals.levels.push_back(Level::kWarn);
+  summary.totals.levels.lidars.push_back(Level::kWarn);
   summary.totals.start = counters.first_packet;
   summary.totals.now = counters.last_packet;
   return summary;
@@ -59,7 +60,7 @@ TEST(Summary, AsTextHasRatesAndLosses) {
 
 TEST(Summary, AsTextCountsInSingularAndPlural) {
   Summary summary = lidar_summary();
-  summary.totals.counters[0].sweeps = 1;
+  summary.totals.counters.lidars[0].sweeps = 1;
   summary.totals.alerts = 1;
   StageStats total{.name = "total", .latency = {}, .deadline_misses = 2};
   total.latency.count = 19;

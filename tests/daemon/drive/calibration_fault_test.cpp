@@ -8,6 +8,7 @@
 
 #include "fusion/geometry/rigid_motion.hpp"
 #include "tests/daemon/drive/calibration_drive.hpp"
+#include "daemon/setup/drive_setup.hpp"
 
 namespace infuse::daemon {
 namespace {

@@ -71,12 +71,12 @@ class DriveReplayTest : public testing::Test {
 
 TEST_F(DriveReplayTest, EverythingIsReadAndSweepsCoveredByOdometryAreDeskewed) {
   const ReplayResult result = replay();
-  ASSERT_EQ(result.devices.size(), 5U);
-  EXPECT_EQ(result.totals.counters.at(0).packets, summary_.packets);
-  const StreamCounters& camera = result.totals.streams.at(0);
+  ASSERT_EQ(result.sensors.size(), 5U);
+  EXPECT_EQ(result.totals.counters.lidars.at(0).packets, summary_.packets);
+  const StreamCounters& camera = result.totals.counters.cameras.at(0);
   EXPECT_EQ(camera.received, summary_.images);
-  EXPECT_EQ(result.totals.streams.at(1).received, summary_.can_frames);
-  EXPECT_EQ(result.totals.streams.at(2).received, 300U);  // inertial unit at 100 Hz
+  EXPECT_EQ(result.totals.counters.buses.at(0).received, summary_.can_frames);
+  EXPECT_EQ(result.totals.counters.imu.received, 300U);  // inertial unit at 100 Hz
   EXPECT_EQ(result.totals.alerts, 0U);
   EXPECT_TRUE(result.notes.empty());
   EXPECT_TRUE(result.totals.odometry.usable());
@@ -165,13 +165,13 @@ TEST_F(DriveReplayTest, BadLinesAndTimesOnTheBusAreReportedAndNothingElseIsLost)
     return text + line + "\n";
   });
   const ReplayResult result = replay();
-  const StreamCounters& bus = result.totals.streams.at(1);
+  const StreamCounters& bus = result.totals.counters.buses.at(0);
   const uint64_t refused = (summary_.can_frames + 39) / 50;  // "rubbish" has no time and is skipped
-  EXPECT_EQ(bus.received, sound.totals.streams.at(1).received + 1 + refused);
+  EXPECT_EQ(bus.received, sound.totals.counters.buses.at(0).received + 1 + refused);
   EXPECT_EQ(bus.refused, refused);
-  EXPECT_EQ(bus.used, sound.totals.streams.at(1).used + 1);
+  EXPECT_EQ(bus.used, sound.totals.counters.buses.at(0).used + 1);
   EXPECT_EQ(bus.out_of_order, 1U);
-  EXPECT_EQ(result.totals.counters.at(0).sweeps, sound.totals.counters.at(0).sweeps);
+  EXPECT_EQ(result.totals.counters.lidars.at(0).sweeps, sound.totals.counters.lidars.at(0).sweeps);
   EXPECT_TRUE(result.totals.odometry.usable());
   EXPECT_THAT(raised_alerts(result), testing::Contains("can.out_of_order"));
   std::string notes;
@@ -206,7 +206,7 @@ TEST_F(DriveReplayTest, DamagedAndMissingImagesAreCountedAndTheOthersUsed) {
   write_file(image_path(4), "no image");
   std::filesystem::remove(image_path(7));
   const ReplayResult result = replay();
-  const StreamCounters& camera = result.totals.streams.at(0);
+  const StreamCounters& camera = result.totals.counters.cameras.at(0);
   EXPECT_EQ(camera.refused + camera.lost, 3U);
   EXPECT_EQ(camera.used, summary_.images - 3);
   EXPECT_EQ(reports_of(result, "FRAME").size(), summary_.images - 3);

@@ -10,8 +10,8 @@ using ::testing::HasSubstr;
 
 Summary complete() {
   Summary summary;
-  for (const char* kind : {"lidar", "camera", "gnss"})
-    summary.devices.push_back({kind, kind, "", "", "", std::nullopt});
+  for (const SensorKind kind : {SensorKind::kLidar, SensorKind::kCamera, SensorKind::kGnss})
+    summary.sensors.push_back({{kind, 0}, {}});
   summary.has_odometry = true;
   summary.totals.sweeps = summary.totals.frames = summary.totals.matched_frames = 51;
   summary.totals.deskewed_sweeps = 50;
@@ -54,7 +54,7 @@ TEST(DriveUses, NeedImagesNearSweeps) {
   Summary summary = complete();
   summary.totals.matched_frames = 1;
   EXPECT_THAT(drive_uses(summary, true)[1].statement, HasSubstr("1 of 51 images"));
-  summary.devices.erase(summary.devices.begin() + 1);
+  summary.sensors.erase(summary.sensors.begin() + 1);
   EXPECT_EQ(drive_uses(summary, true)[1].statement, "there is no camera");
 }
 

@@ -20,7 +20,7 @@ size_t count_allocations(velodyne::Model model, double seconds) {
   const size_t before = streaming_allocation_count();
   const auto result = run_replay(folder / "x.pcap");
   EXPECT_TRUE(result);
-  EXPECT_GT(result->totals.counters.at(0).sweeps, static_cast<uint64_t>(seconds) * 9);
+  EXPECT_GT(result->totals.counters.lidars.at(0).sweeps, static_cast<uint64_t>(seconds) * 9);
   return streaming_allocation_count() - before;
 }
 

@@ -116,7 +116,7 @@ TEST(CameraDrive, CanBeStoppedWhileImagesAreDecoded) {
       run_replay(folder / "drive", {.rate = 1, .stop_after = std::chrono::milliseconds(300)});
   ASSERT_TRUE(result);
   EXPECT_TRUE(result->totals.ended);
-  EXPECT_LT(result->totals.counters.at(0).packets, 3 * 754U);
+  EXPECT_LT(result->totals.counters.lidars.at(0).packets, 3 * 754U);
 }
 
 }  // namespace

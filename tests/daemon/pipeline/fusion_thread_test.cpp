@@ -95,14 +95,14 @@ class FusionThreadTest : public testing::Test {
 
   static StreamItem make_item() {
     StreamItem item;
-    item.counters.resize(1);
-    item.streams.resize(1);
+    item.counters.lidars.resize(1);
+    item.counters.cameras.resize(1);
     return item;
   }
   static ReportItem make_report() {
     ReportItem item;
-    item.counters.resize(1);
-    item.streams.resize(1);
+    item.counters.lidars.resize(1);
+    item.counters.cameras.resize(1);
     return item;
   }
 
@@ -172,7 +172,7 @@ TEST_F(FusionThreadTest, ALateSweepIsNotRegisteredAndAVeryLateOneIsDroppedIfLive
     const ReportItem& tick = reports[reports.size() - 2];
     ASSERT_EQ(tick.kind, Kind::kTick);
     EXPECT_EQ(tick.skipped_registrations, live ? 1U : 0U);
-    EXPECT_EQ(tick.counters[0].dropped_sweeps, live ? 1U : 0U);
+    EXPECT_EQ(tick.counters.lidars[0].dropped_sweeps, live ? 1U : 0U);
   }
 }
 
@@ -205,7 +205,7 @@ TEST_F(FusionThreadTest, AnImageIsMatchedWithTheSweepDuringWhichItWasExposed) {
     EXPECT_EQ(frame.points_in_view, 1U);
     EXPECT_EQ(frame.bright, 1);
   }
-  EXPECT_EQ(reports[5].streams[0].used, 2U);
+  EXPECT_EQ(reports[5].counters.cameras[0].used, 2U);
 }
 
 TEST_F(FusionThreadTest, ImagesThatCannotBeUsedAreCountedOrReportedWithAReason) {
@@ -217,8 +217,8 @@ TEST_F(FusionThreadTest, ImagesThatCannotBeUsedAreCountedOrReportedWithAReason) 
   EXPECT_THAT(kinds(reports),
               ElementsAre(Kind::kStart, Kind::kSweep, Kind::kFrame, Kind::kTick, Kind::kEnd));
   EXPECT_STREQ(reports[2].frame.reason, "image size differs from the intrinsics");
-  EXPECT_EQ(reports[3].streams[0].used, 1U);
-  EXPECT_EQ(reports[3].streams[0].refused, 1U);
+  EXPECT_EQ(reports[3].counters.cameras[0].used, 1U);
+  EXPECT_EQ(reports[3].counters.cameras[0].refused, 1U);
 }
 
 TEST_F(FusionThreadTest, WithoutALidarPosesAreReportedTenTimesASecond) {

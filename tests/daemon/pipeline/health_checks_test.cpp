@@ -13,12 +13,12 @@ Stamp drive_stamp(double seconds) {
   return Stamp::from_ns(1'700'000'000'000'000'000) + from_seconds(seconds);
 }
 
-PipelineSetup lidar_and_camera() {
-  PipelineSetup setup;
-  setup.lidars.resize(1);
-  setup.cameras.resize(1);
-  setup.devices = {{"top", "lidar", "HDL-32E", "configured", "port 2368", std::nullopt},
-                   {"front", "camera", "pinhole", "configured", "front", std::nullopt}};
+SensorSetup lidar_and_camera() {
+  SensorSetup setup;
+  setup.lidars.push_back(
+      {.device = {"top", "lidar", "HDL-32E", "configured", "port 2368", std::nullopt}});
+  setup.cameras.push_back(
+      {.device = {"front", "camera", "pinhole", "configured", "front", std::nullopt}});
   return setup;
 }
 
@@ -27,8 +27,8 @@ ReportItem tick_without_images(double seconds) {
   ReportItem tick;
   tick.kind = ReportItem::Kind::kTick;
   tick.stamp = drive_stamp(seconds);
-  tick.streams.resize(1);
-  LidarCounters& counters = tick.counters.emplace_back();
+  tick.counters.cameras.resize(1);
+  LidarCounters& counters = tick.counters.lidars.emplace_back();
   counters.packets = counters.sweeps = static_cast<uint64_t>(seconds * 10);
   counters.first_packet = drive_stamp(0.1);
   counters.last_packet = drive_stamp(seconds);
@@ -36,18 +36,18 @@ ReportItem tick_without_images(double seconds) {
 }
 
 TEST(HealthChecks, TheSilentDeviceIsNamedAndTheOthersAreActivated) {
-  const PipelineSetup setup = lidar_and_camera();
+  const SensorSetup setup = lidar_and_camera();
   HealthChecks checks(setup, HealthOptions{});
-  Totals totals;
-  totals.start_at(drive_stamp(0), 1, 1);
+  Totals totals(setup);
+  totals.start_at(drive_stamp(0));
   checks.start(drive_stamp(0));
   std::vector<AlertReport> alerts;
   HealthReport report;
   for (int second = 1; second <= 5; ++second) {
     const ReportItem tick = tick_without_images(second);
-    EXPECT_EQ(checks.mark_activated_devices(tick), second == 1);
+    EXPECT_EQ(checks.mark_activated(tick), second == 1);
     report = checks.check(tick, from_seconds(second), alerts);
-    totals.update(tick, report);
+    totals.update(tick, checks.levels());
   }
   EXPECT_EQ(checks.devices()[0].activated, drive_stamp(0.1));
   EXPECT_FALSE(checks.devices()[1].activated);
@@ -57,8 +57,9 @@ TEST(HealthChecks, TheSilentDeviceIsNamedAndTheOthersAreActivated) {
   }
   EXPECT_THAT(silent, ElementsAre("front"));
   EXPECT_EQ(report.streams[0].status.level, Level::kStale);
-  EXPECT_THAT(totals.levels, ElementsAre(report.sensors[0].status.level, Level::kStale));
-  EXPECT_EQ(totals.counters[0].packets, 50u);
+  EXPECT_THAT(totals.levels.lidars, ElementsAre(report.sensors[0].status.level));
+  EXPECT_THAT(totals.levels.cameras, ElementsAre(Level::kStale));
+  EXPECT_EQ(totals.counters.lidars[0].packets, 50u);
 }
 
 TEST(Totals, FewAlertsAreKeptAndAllAreCounted) {

@@ -18,12 +18,11 @@ using ItemKind = StreamItem::Kind;
 class IntakeTest : public testing::Test {
  protected:
   IntakeTest() {
-    setup_.lidars.push_back({.name = "top", .has_packets = false, .decoder = {}});
+    setup_.lidars.push_back({.device = {"top"}, .has_packets = false, .decoder = {}});
     setup_.cameras.resize(2);
     setup_.rig.lidars.push_back({.name = "top"});
     setup_.rig.cameras.push_back({.name = "front", .lidar = "top"});
-    setup_.vehicle.has_imu = true;
-    setup_.devices.resize(4);
+    setup_.vehicle.imu.emplace();
     intake_.emplace(setup_, ring_);
     intake_->start(at(0));
     intake_->advance(at(0));
@@ -31,8 +30,8 @@ class IntakeTest : public testing::Test {
 
   static StreamItem make_item() {
     StreamItem item;
-    item.counters.resize(1);
-    item.streams.resize(3);
+    item.counters.lidars.resize(1);
+    item.counters.cameras.resize(2);
     return item;
   }
 
@@ -55,7 +54,7 @@ class IntakeTest : public testing::Test {
 
   SlotRing<StreamItem> ring_{64, make_item};
   SlotRing<StreamItem>::Reader reader_ = ring_.make_reader();
-  PipelineSetup setup_;
+  SensorSetup setup_;
   std::optional<Intake> intake_;
   std::vector<size_t> batches_;
   Pin<StreamItem> last_tick_;
@@ -72,7 +71,7 @@ TEST_F(IntakeTest, TicksEachSecondOfDriveTimeBeforeTheEventThatReachesIt) {
   EXPECT_THAT(kinds(2.3),
               ElementsAre(ItemKind::kStart, ItemKind::kSamples, ItemKind::kTick, ItemKind::kTick,
                           ItemKind::kSamples, ItemKind::kFlush, ItemKind::kTick, ItemKind::kEnd));
-  EXPECT_EQ(last_tick_->streams[2].received, 2U);
+  EXPECT_EQ(last_tick_->counters.imu.received, 2U);
 }
 
 TEST_F(IntakeTest, SamplesAreBatchedByNumberAndTime) {
@@ -92,7 +91,7 @@ TEST_F(IntakeTest, SamplesPrecedeTheSweepThatFollowsThem) {
   intake_->add_sweep(LidarIndex(0), sweep);
   EXPECT_THAT(kinds(0.2), ElementsAre(ItemKind::kStart, ItemKind::kSamples, ItemKind::kSweep,
                                       ItemKind::kFlush, ItemKind::kTick, ItemKind::kEnd));
-  EXPECT_EQ(last_tick_->counters[0].returns, 3U);
+  EXPECT_EQ(last_tick_->counters.lidars[0].returns, 3U);
 }
 
 TEST_F(IntakeTest, ImagesArePassedOnEncodedAndUnreadableFilesAreCounted) {
@@ -102,16 +101,16 @@ TEST_F(IntakeTest, ImagesArePassedOnEncodedAndUnreadableFilesAreCounted) {
   intake_->add_image_file(CameraIndex(0), at(0.2), 2, folder / "absent.png");
   EXPECT_THAT(kinds(0.3), ElementsAre(ItemKind::kStart, ItemKind::kImage, ItemKind::kFlush,
                                       ItemKind::kTick, ItemKind::kEnd));
-  EXPECT_EQ(last_tick_->streams[0].received, 2U);
-  EXPECT_EQ(last_tick_->streams[0].refused, 1U);
-  EXPECT_EQ(last_tick_->streams[0].lost, 1U);  // number 1
+  EXPECT_EQ(last_tick_->counters.cameras[0].received, 2U);
+  EXPECT_EQ(last_tick_->counters.cameras[0].refused, 1U);
+  EXPECT_EQ(last_tick_->counters.cameras[0].lost, 1U);  // number 1
 }
 
 TEST_F(IntakeTest, ImagesOfACameraWithoutAMountAreOnlyCounted) {
   intake_->add_streamed_image(CameraIndex(1), {.stamp = at(0.1)});
   EXPECT_THAT(kinds(0.3),
               ElementsAre(ItemKind::kStart, ItemKind::kFlush, ItemKind::kTick, ItemKind::kEnd));
-  EXPECT_EQ(last_tick_->streams[1].received, 1U);
+  EXPECT_EQ(last_tick_->counters.cameras[1].received, 1U);
 }
 
 TEST_F(IntakeTest, DatagramsToNoLidarsPortAreCountedAsUnclaimed) {
@@ -122,9 +121,9 @@ TEST_F(IntakeTest, DatagramsToNoLidarsPortAreCountedAsUnclaimed) {
   datagram.payload = payload;
   intake_->add_unclaimed_datagram(datagram);
   kinds(0.3);
-  EXPECT_EQ(last_tick_->counters[0].unclaimed, 1U);
-  EXPECT_EQ(last_tick_->counters[0].unexpected_sender, 0xC0A80102);
-  EXPECT_EQ(last_tick_->counters[0].unexpected_size, 100U);
+  EXPECT_EQ(last_tick_->counters.lidars[0].unclaimed, 1U);
+  EXPECT_EQ(last_tick_->counters.lidars[0].unexpected_sender, 0xC0A80102);
+  EXPECT_EQ(last_tick_->counters.lidars[0].unexpected_size, 100U);
 }
 
 }  // namespace

@@ -58,21 +58,20 @@ TEST(PositionPackets, ABareCaptureHasAGnssDevice) {
   ASSERT_TRUE(made);
   const auto result = run_replay(folder / "street.pcap");
   ASSERT_TRUE(result) << result.error().message();
-  ASSERT_EQ(result->devices.size(), 2U);
-  EXPECT_EQ(result->devices[1].kind, "gnss");
-  EXPECT_EQ(result->devices[1].endpoint, "position packets of lidar");
-  ASSERT_EQ(result->totals.streams.size(), 1U);
-  EXPECT_GE(result->totals.streams[0].received, 1U);
-  EXPECT_LE(result->totals.streams[0].received, made->position_packets);
+  ASSERT_EQ(result->sensors.size(), 2U);
+  EXPECT_EQ(result->sensors[1].id.kind, SensorKind::kGnss);
+  EXPECT_EQ(result->sensors[1].device.endpoint, "position packets of lidar");
+  EXPECT_GE(result->totals.counters.gnss.received, 1U);
+  EXPECT_LE(result->totals.counters.gnss.received, made->position_packets);
 }
 
 TEST(PositionPackets, ARealCaptureHasFixes) {
   INFUSE_REAL_DATA_OR_SKIP(capture, "velodyne/hdl32e-moving.pcap");
   const auto result = run_replay(capture);
   ASSERT_TRUE(result) << result.error().message();
-  ASSERT_EQ(result->totals.streams.size(), 1U);
-  EXPECT_EQ(result->devices.back().kind, "gnss");
-  EXPECT_GT(result->totals.streams[0].received, 0U);
+  ASSERT_EQ(result->sensors.size(), 2U);
+  EXPECT_EQ(result->sensors.back().id.kind, SensorKind::kGnss);
+  EXPECT_GT(result->totals.counters.gnss.received, 0U);
 }
 
 }  // namespace

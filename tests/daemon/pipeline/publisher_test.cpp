@@ -18,18 +18,17 @@ using testing::ElementsAre;
 /// A publisher of one lidar and one camera.
 class PublisherTest : public testing::Test {
  protected:
-  static PipelineSetup make_setup() {
-    PipelineSetup setup;
-    setup.lidars.resize(1);
-    setup.cameras.resize(1);
-    setup.devices = {{"top", "lidar", "HDL-32E", "configured", "port 2368", std::nullopt},
-                     {"front", "camera", "pinhole", "configured", "front", std::nullopt}};
+  static SensorSetup make_setup() {
+    SensorSetup setup;
+    setup.lidars.push_back(
+        {.device = {"top", "lidar", "HDL-32E", "configured", "port 2368", std::nullopt}});
+    setup.cameras.push_back(
+        {.device = {"front", "camera", "pinhole", "configured", "front", std::nullopt}});
     return setup;
   }
   static ReportItem make_item() {
     ReportItem item;
-    item.counters.resize(1);
-    item.streams.resize(1);
+    item.counters = SensorCounters(make_setup());
     return item;
   }
 
@@ -49,8 +48,8 @@ class PublisherTest : public testing::Test {
     ReportItem item = make_item();
     item.kind = ReportItem::Kind::kTick;
     item.stamp = at(seconds);
-    item.counters[0].packets = item.counters[0].sweeps = packets;
-    item.counters[0].first_packet = item.counters[0].last_packet = at(0.5);
+    item.counters.lidars[0].packets = item.counters.lidars[0].sweeps = packets;
+    item.counters.lidars[0].first_packet = item.counters.lidars[0].last_packet = at(0.5);
     push(item);
   }
 
@@ -77,7 +76,7 @@ class PublisherTest : public testing::Test {
   Server server_{io_, {}, "0", "0123456789abcdef"};
   Result<ReportsFile> file_ = ReportsFile::create(folder_ / "reports");
   SlotRing<ReportItem> ring_{8, make_item};
-  PipelineSetup setup_ = make_setup();
+  SensorSetup setup_ = make_setup();
   Publisher publisher_{ring_, setup_, HealthOptions(), server_, &*file_};
 };
 
@@ -113,7 +112,7 @@ TEST_F(PublisherTest, SilenceRaisesAnAlertBeforeTheHealthThatShowsIt) {
   for (int second = 1; second <= 4; ++second) push_tick(second, 7);
   EXPECT_THAT(ids, testing::UnorderedElementsAre("top.silent", "front.silent"));
   EXPECT_EQ(publisher_.totals().alerts, 2U);
-  EXPECT_EQ(publisher_.totals().levels.at(0), Level::kStale);
+  EXPECT_EQ(publisher_.totals().levels.lidars.at(0), Level::kStale);
   const auto published = lines();
   EXPECT_EQ(published.back()["class"], "HEALTH");
   EXPECT_EQ(published.back()["level"], "STALE");

@@ -59,13 +59,13 @@ TEST_F(ReplayTest, CountsEveryPacketAndReturnOfAGeneratedCapture) {
   const auto truth = make(3.05, 0, velodyne::Model::kHdl32e);
   const auto result = run_replay(path_);
   ASSERT_TRUE(result) << result.error().message();
-  const LidarCounters& counters = result->totals.counters.at(0);
+  const LidarCounters& counters = result->totals.counters.lidars.at(0);
   EXPECT_EQ(counters.packets, truth.packets);
   EXPECT_EQ(counters.position_packets, truth.position_packets);
   EXPECT_EQ(counters.returns, truth.returns);
   EXPECT_EQ(counters.lost_network, 0U);
   EXPECT_EQ(counters.sweeps, 31U);  // cut at the rear: half a turn, then 30 turns, 3.05 s at 10 Hz
-  EXPECT_EQ(result->devices.at(0).model, "HDL-32E");
+  EXPECT_EQ(result->sensors.at(0).device.model, "HDL-32E");
   EXPECT_EQ(result->totals.alerts, 0U);
 
   uint64_t returns = 0, sweeps = 0, healths = 0;
@@ -88,10 +88,10 @@ TEST_F(ReplayTest, LostPacketsAreCountedAndReported) {
   ASSERT_GT(truth.lost, 100U);
   const auto result = run_replay(path_);
   ASSERT_TRUE(result);
-  const LidarCounters& counters = result->totals.counters.at(0);
+  const LidarCounters& counters = result->totals.counters.lidars.at(0);
   EXPECT_EQ(counters.packets, truth.packets);
   EXPECT_NEAR(static_cast<double>(counters.lost_network), static_cast<double>(truth.lost), 3);
-  EXPECT_EQ(result->totals.levels.at(0), Level::kError);
+  EXPECT_EQ(result->totals.levels.lidars.at(0), Level::kError);
   ASSERT_EQ(result->totals.first_alerts.size(), 1U);
   EXPECT_THAT(result->totals.first_alerts[0].finding.what, HasSubstr("in the network"));
 }
@@ -192,7 +192,7 @@ TEST_F(ReplayTest, ATruncatedCaptureIsReadUpToItsEndAndNoted) {
   std::filesystem::resize_file(path_, std::filesystem::file_size(path_) / 2 + 7);
   const auto result = run_replay(path_);
   ASSERT_TRUE(result);
-  EXPECT_NEAR(static_cast<double>(result->totals.counters.at(0).packets), 754, 20);
+  EXPECT_NEAR(static_cast<double>(result->totals.counters.lidars.at(0).packets), 754, 20);
   EXPECT_FALSE(result->notes.empty());
 }
 
@@ -250,8 +250,8 @@ TEST_P(RealReplay, CountsEveryPacket) {
   INFUSE_REAL_DATA_OR_SKIP(path, std::string("velodyne/") + GetParam().file);
   const auto result = run_replay(path);
   ASSERT_TRUE(result) << result.error().message();
-  const LidarCounters& counters = result->totals.counters.at(0);
-  EXPECT_EQ(result->devices.at(0).model, GetParam().model);
+  const LidarCounters& counters = result->totals.counters.lidars.at(0);
+  EXPECT_EQ(result->sensors.at(0).device.model, GetParam().model);
   EXPECT_EQ(counters.packets, GetParam().packets);
   EXPECT_EQ(counters.position_packets, GetParam().position_packets);
   EXPECT_EQ(counters.lost_network, 0U);

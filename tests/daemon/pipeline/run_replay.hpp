@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "daemon/pipeline/replay.hpp"
+#include "daemon/setup/drive_setup.hpp"
 
 namespace infuse::daemon {
 
@@ -35,7 +36,7 @@ class TemporaryFolder {
 /// Result of a replay.
 struct ReplayResult {
   Totals totals;
-  std::vector<Device> devices;
+  std::vector<Sensor> sensors;
   std::vector<Error> notes;
   std::string reports;  ///< bytes of the reports file
 
@@ -88,7 +89,7 @@ inline Result<ReplayResult> run_replay(const std::filesystem::path& path,
   std::ifstream stream(folder / "reports", std::ios::binary);
   std::stringstream bytes;
   bytes << stream.rdbuf();
-  return ReplayResult{replay.totals(), replay.setup().devices, replay.notes(), bytes.str()};
+  return ReplayResult{replay.totals(), replay.setup().sensors(), replay.notes(), bytes.str()};
 }
 
 }  // namespace infuse::daemon

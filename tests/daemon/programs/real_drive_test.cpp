@@ -10,6 +10,7 @@
 
 #include "daemon/playback/play_lidar.hpp"
 #include "daemon/playback/sweep_pairing.hpp"
+#include "daemon/setup/drive_setup.hpp"
 #include "drivers/camera/image_decoder.hpp"
 #include "drivers/import/kitti_import.hpp"
 #include "drivers/measurement/angles.hpp"

@@ -7,6 +7,7 @@
 
 #include "daemon/pipeline/replay.hpp"
 #include "daemon/ros/mcap_recording.hpp"
+#include "daemon/setup/drive_setup.hpp"
 #include "drivers/mcap/mcap_reader.hpp"
 #include "drivers/recording/imu_csv.hpp"
 #include "drivers/recording/mapped_file.hpp"

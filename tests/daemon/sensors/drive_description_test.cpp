@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "daemon/setup/live_setup.hpp"
+
 namespace infuse::daemon {
 namespace {
 
@@ -38,6 +40,16 @@ TEST(DescribeDrive, SendersTellThemApart) {
   EXPECT_EQ(drive.description.invalid(), std::nullopt);
   EXPECT_EQ(drive.description.lidars[1].position_port, 8308);
   EXPECT_THAT(drive.not_recorded, testing::IsEmpty());
+}
+
+TEST(DescribeDrive, NamesTheSourceOfTheFixes) {
+  const std::string lidar = "[[lidar]]\nname = \"a\"\nmodel = \"VLP-16\"\n";
+  EXPECT_EQ(describe(lidar).description.gnss, "");
+  EXPECT_EQ(describe(lidar + "[gnss]\ndevice = \"/dev/ttyUSB0\"\n").description.gnss, "gnss.csv");
+  // Fixes in position packets are in lidar.pcap already.
+  const auto from_packets = describe(lidar + "[gnss]\nlidar = \"a\"\n").description;
+  EXPECT_EQ(from_packets.gnss, "");
+  EXPECT_EQ(from_packets.gnss_lidar, "a");
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "daemon/pipeline/lidar_intake.hpp"
 #include "drivers/recording/pcap_reader.hpp"
+#include "drivers/velodyne/packet.hpp"
 #include "drivers/velodyne/velodyne_maker.hpp"
 #include "fixtures/scene/capture.hpp"
 

@@ -7,13 +7,14 @@
 #include <chrono>
 #include <thread>
 
+#include "daemon/setup/live_setup.hpp"
 #include "tests/daemon/sensors/loopback.hpp"
 
 namespace infuse::daemon {
 namespace {
 
 /// A lidar on the loopback, and a missing camera and CAN bus.
-LiveSetup loopback_setup() {
+SensorSetup loopback_setup() {
   Config config = loopback_config();
   config.cameras.emplace_back().stream.device = "/dev/no-such-camera";
   config.buses.emplace_back().interface = "nosuchcan0";
@@ -36,7 +37,7 @@ TEST(LivePipeline, ProcessesALidarAndReportsMissingSources) {
   std::thread sender;
   live.publisher().set_progress_listener([&] {
     if (ticks++ == 0) sender = std::thread([&] { sent = send_capture(test_port(0)); });
-    const uint64_t packets = live.publisher().totals().counters[0].packets;
+    const uint64_t packets = live.publisher().totals().counters.lidars[0].packets;
     if (sent > 0 && (packets >= sent || ticks > 20)) live.stop();
   });
   live.start();
@@ -44,22 +45,21 @@ TEST(LivePipeline, ProcessesALidarAndReportsMissingSources) {
   sender.join();
   ASSERT_TRUE(ended);
   const Totals& totals = live.publisher().totals();
-  const LidarCounters& lidar = totals.counters[0];
+  const LidarCounters& lidar = totals.counters.lidars[0];
   EXPECT_EQ(lidar.packets + lidar.lost_kernel, sent.load());
   EXPECT_GE(lidar.sweeps, 8U);
   EXPECT_GT(lidar.position_packets, 0U);
   EXPECT_TRUE(lidar.source.open);
-  ASSERT_EQ(totals.streams.size(), 3U);
-  for (size_t gone = 0; gone < 2; ++gone) {
-    EXPECT_FALSE(totals.streams[gone].source.open);
-    EXPECT_NE(totals.streams[gone].source.problem[0], '\0');
+  for (const StreamCounters& gone : {totals.counters.cameras.at(0), totals.counters.buses.at(0)}) {
+    EXPECT_FALSE(gone.source.open);
+    EXPECT_NE(gone.source.problem[0], '\0');
   }
   // Every sentence of the position packets gives one fix.
-  EXPECT_TRUE(totals.streams[2].source.open);
-  EXPECT_GT(totals.streams[2].received, 0U);
-  EXPECT_LE(totals.streams[2].received, lidar.position_packets);
-  EXPECT_EQ(totals.levels[0] == Level::kStale, false);
-  EXPECT_NE(totals.levels[1], Level::kOk);
+  EXPECT_TRUE(totals.counters.gnss.source.open);
+  EXPECT_GT(totals.counters.gnss.received, 0U);
+  EXPECT_LE(totals.counters.gnss.received, lidar.position_packets);
+  EXPECT_EQ(totals.levels.lidars[0] == Level::kStale, false);
+  EXPECT_NE(totals.levels.cameras[0], Level::kOk);
 }
 
 TEST(LivePipeline, EndsAtOnceWithoutSensorData) {

@@ -9,9 +9,10 @@
 #include <filesystem>
 #include <thread>
 
-#include "daemon/sensors/live_setup.hpp"
+#include "daemon/setup/live_setup.hpp"
 #include "drivers/host/file_descriptor.hpp"
 #include "drivers/recording/pcap_reader.hpp"
+#include "drivers/velodyne/packet.hpp"
 #include "fixtures/scene/capture.hpp"
 
 namespace infuse::daemon {

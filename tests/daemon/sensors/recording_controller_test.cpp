@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "daemon/sensors/live_pipeline.hpp"
+#include "daemon/setup/live_setup.hpp"
 #include "tests/daemon/pipeline/run_replay.hpp"
 #include "tests/daemon/sensors/loopback.hpp"
 #include "tests/daemon/socket_client.hpp"

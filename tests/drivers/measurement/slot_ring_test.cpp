@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <deque>
 #include <random>
 #include <thread>
 #include <vector>
@@ -49,17 +50,18 @@ class Model {
 
   explicit Model(size_t capacity) : unused_(capacity) {}
 
-  bool publish(Stamp stamp) {
-    const bool has_slot = reserved_ || claim_slot(UINT64_MAX);
+  bool publish(Stamp stamp, bool keep, const std::vector<Reader>& readers) {
+    const uint64_t slowest = slowest_of(readers);
+    const bool has_slot = reserved_ || claim_slot(UINT64_MAX, slowest) || claim_slot(UINT64_MAX);
     reserved_ = false;
     if (has_slot) entries_.push_back({published_, stamp});
+    if (has_slot && keep) kept_.push_back(published_);
+    if (kept_.size() > Ring::kMaxKept) kept_.pop_front();
     ++published_;
     return has_slot;
   }
   bool has_room(const std::vector<Reader>& readers) {
-    uint64_t slowest = UINT64_MAX;
-    for (const Reader& reader : readers) slowest = std::min(slowest, reader.cursor);
-    reserved_ = reserved_ || claim_slot(slowest);
+    reserved_ = reserved_ || claim_slot(slowest_of(readers));
     return reserved_;
   }
   Entry* next(Reader& reader) {
@@ -82,16 +84,28 @@ class Model {
   uint64_t published_ = 0;
 
  private:
-  bool claim_slot(uint64_t before) {
+  static uint64_t slowest_of(const std::vector<Reader>& readers) {
+    uint64_t slowest = UINT64_MAX;
+    for (const Reader& reader : readers) slowest = std::min(slowest, reader.cursor);
+    return slowest;
+  }
+  /// `kept_from`: kept entries from this position on are not claimed.
+  bool claim_slot(uint64_t before, uint64_t kept_from = UINT64_MAX) {
     if (unused_ > 0) return unused_-- > 0;
-    const auto oldest = std::find_if(entries_.begin(), entries_.end(),
-                                     [](const Entry& entry) { return entry.pins == 0; });
+    const auto kept = [&](const Entry& entry) {
+      return entry.position >= kept_from &&
+             std::find(kept_.begin(), kept_.end(), entry.position) != kept_.end();
+    };
+    const auto oldest = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
+      return entry.pins == 0 && !kept(entry);
+    });
     if (oldest == entries_.end() || oldest->position >= before) return false;
     entries_.erase(oldest);
     return true;
   }
   size_t unused_;
   bool reserved_ = false;
+  std::deque<uint64_t> kept_;
 };
 
 /// Performs random operations on the ring and on the model; all observable results must be equal.
@@ -136,8 +150,9 @@ void compare_with_model(size_t capacity, uint32_t seed, bool replay) {
         const Stamp stamp =
             at(seed % 2 == 0 ? time : time - static_cast<int64_t>(random_below(30)));
         ring.slot().fill(model.published_, stamp);
-        const bool published = ring.publish();
-        ASSERT_EQ(published, model.publish(stamp));
+        const bool keep = random_below(4) == 0;
+        const bool published = ring.publish(keep ? Ring::Keep::kUntilRead : Ring::Keep::kNo);
+        ASSERT_EQ(published, model.publish(stamp, keep, model_readers));
         dropped += published ? 0 : 1;
         ASSERT_EQ(ring.dropped(), dropped);
         break;
@@ -287,12 +302,39 @@ TEST(SlotRing, LiveReadersSeeIntactObjectsInOrderAndCountLostOnes) {
   }
   for (uint64_t number = 0; number < kObjects; ++number) {
     ring.slot().fill(number, at(static_cast<int64_t>(number)));
-    ring.publish();
+    ring.publish(number % 50 == 0 ? Ring::Keep::kUntilRead : Ring::Keep::kNo);
   }
   ring.close();
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(wrong, 0u);
   for (size_t id = 0; id < read.size(); ++id) EXPECT_EQ(read[id] + lost[id], kObjects);
+}
+
+TEST(SlotRing, ASlowReaderGetsWhatIsKept) {
+  Ring ring(12, [] { return Object(); });
+  Ring::Reader slow = ring.make_reader();
+  for (uint64_t number = 0; number < 1000; ++number) {
+    ring.slot().fill(number, at(0));
+    ring.publish(number % 150 == 0 ? Ring::Keep::kUntilRead : Ring::Keep::kNo);  // 0 … 900
+  }
+  std::vector<uint64_t> kept, others;
+  while (const Pin<Object> pin = slow.next()) {
+    (pin->number % 150 == 0 ? kept : others).push_back(pin->number);
+  }
+  EXPECT_EQ(kept, (std::vector<uint64_t>{0, 150, 300, 450, 600, 750, 900}));
+  EXPECT_EQ(others, (std::vector<uint64_t>{995, 996, 997, 998, 999}));
+  EXPECT_EQ(slow.lost(), 1000 - kept.size() - others.size());
+}
+
+TEST(SlotRing, AReaderThatStandsStillDoesNotKeepTheRing) {
+  Ring ring(12, [] { return Object(); });
+  const Ring::Reader still = ring.make_reader();
+  Ring::Reader reader = ring.make_reader();
+  for (uint64_t number = 0; number < 1000; ++number) {
+    ring.slot().fill(number, at(0));
+    EXPECT_TRUE(ring.publish(Ring::Keep::kUntilRead));
+  }
+  EXPECT_EQ(reader.next()->number, 988U);
 }
 
 TEST(SlotRing, ReplayThatWaitsForRoomLosesNothing) {

@@ -1,4 +1,5 @@
 #include "tests/study/months/simulated_run.hpp"
+#include "daemon/setup/live_setup.hpp"
 
 #include <spdlog/spdlog.h>
 
@@ -55,8 +56,7 @@ void SimulatedRun::connect(daemon::DaemonHost::RequestHandler on_request) {
 
 daemon::ReportItem SimulatedRun::make_item() const {
   daemon::ReportItem item;
-  item.counters.resize(setup_.lidars.size());
-  item.streams.resize(setup_.stream_count());
+  item.counters = daemon::SensorCounters(setup_);
   return item;
 }
 

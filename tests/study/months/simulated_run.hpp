@@ -5,10 +5,10 @@
 #include <string>
 
 #include "daemon/history/history_writer.hpp"
-#include "daemon/run/daemon_host.hpp"
-#include "daemon/run/service_lifecycle.hpp"
-#include "daemon/sensors/live_setup.hpp"
+#include "daemon/service/daemon_host.hpp"
+#include "daemon/service/service_lifecycle.hpp"
 #include "daemon/sensors/recording_controller.hpp"
+#include "daemon/setup/live_setup.hpp"
 
 namespace infuse::study {
 
@@ -41,12 +41,12 @@ class SimulatedRun {
   daemon::Publisher& publisher() { return *publisher_; }
   daemon::RecordTap* tap() { return recordings_->tap(); }
   const daemon::Config& config() const { return config_; }
-  const daemon::LiveSetup& setup() const { return setup_; }
+  const daemon::SensorSetup& setup() const { return setup_; }
 
  private:
   std::string config_file_;
   daemon::Config config_;
-  daemon::LiveSetup setup_;
+  daemon::SensorSetup setup_;
   std::optional<daemon::DaemonHost> host_;
   std::optional<SlotRing<daemon::ReportItem>> ring_;
   std::optional<daemon::Publisher> publisher_;

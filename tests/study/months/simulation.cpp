@@ -337,10 +337,12 @@ void Simulation::tick() {
   daemon::ReportItem item = run_->make_item();
   item.kind = daemon::ReportItem::Kind::kTick;
   item.stamp = now();
-  if (!item.counters.empty()) {
-    item.counters[0] = top_.counters();
-    if (rear) item.counters[1] = rear_.counters();
-    item.streams = {front_.counters(), bus_.counters(), gnss_.counters()};
+  if (!item.counters.lidars.empty()) {
+    item.counters.lidars[0] = top_.counters();
+    if (rear) item.counters.lidars[1] = rear_.counters();
+    item.counters.cameras.at(0) = front_.counters();
+    item.counters.buses.at(0) = bus_.counters();
+    item.counters.gnss = gnss_.counters();
     item.odometry = vehicle_.status(now());
     if (!item.odometry.usable()) not_deskewed_ += top_.delivers() ? 10 : 0;
     item.odometry.not_deskewed = not_deskewed_;

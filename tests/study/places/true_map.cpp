@@ -5,6 +5,7 @@
 
 #include "daemon/mapping/place_map.hpp"
 #include "daemon/playback/play_lidar.hpp"
+#include "daemon/setup/drive_setup.hpp"
 #include "daemon/tools/map/lidar_replay.hpp"
 #include "drivers/recording/trajectory_file.hpp"
 #include "fusion/features/air_returns.hpp"

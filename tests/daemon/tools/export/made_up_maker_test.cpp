@@ -41,9 +41,9 @@ TEST(MadeUpMaker, ReplaysInspectsAndExports) {
   ASSERT_EQ(replayed->devices.size(), 1U);
   EXPECT_EQ(replayed->devices[0].model, "Ringer 4");
   EXPECT_THAT(replayed->devices[0].model_reason, testing::HasSubstr("10.00 turns per second"));
-  EXPECT_EQ(replayed->totals.counters[0].packets, kPackets);
-  EXPECT_EQ(replayed->totals.counters[0].sweeps, 5U);
-  EXPECT_EQ(replayed->totals.counters[0].returns, uint64_t{kPackets} * 32);
+  EXPECT_EQ(replayed->totals.counters.lidars[0].packets, kPackets);
+  EXPECT_EQ(replayed->totals.counters.lidars[0].sweeps, 5U);
+  EXPECT_EQ(replayed->totals.counters.lidars[0].returns, uint64_t{kPackets} * 32);
   EXPECT_THAT(replayed->reports, testing::HasSubstr(R"("source":"utc")"));
 
   ProgressLine line;

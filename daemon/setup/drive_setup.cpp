@@ -1,10 +1,10 @@
-#include "daemon/pipeline/drive_setup.hpp"
+#include "daemon/setup/drive_setup.hpp"
 
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 
-#include "daemon/pipeline/bare_capture.hpp"
+#include "daemon/setup/bare_capture.hpp"
 #include "drivers/makers/makers.hpp"
 #include "drivers/recording/capture_parts.hpp"
 
@@ -60,14 +60,14 @@ std::string endpoint_of(const recording::LidarFiles& files) {
 /// Sets up one lidar whose data are packets.
 Result<void> set_up_packets(const recording::Drive& drive, const recording::LidarFiles& files,
                             const std::string& configured, const LidarOptions& options,
-                            const LidarOverrides& overrides, LidarSetup& lidar, Device& device) {
+                            const LidarOverrides& overrides, LidarSetup& lidar) {
   const std::filesystem::path capture = drive.resolve(files.packets);
   const auto survey = survey_beginning(capture);
   if (!survey) return tl::unexpected(survey.error());
   const auto chosen = choose_model(configured, *survey, files, capture.string(), overrides.model);
   if (!chosen) return tl::unexpected(chosen.error());
-  device.model = chosen->model->name;
-  device.model_reason = chosen->reason;
+  lidar.device.model = chosen->model->name;
+  lidar.device.model_reason = chosen->reason;
   lidar::DecoderOptions& decoder = lidar.decoder;
   decoder.model = chosen->model;
   decoder.cut_azimuth = options.cut_azimuth_deg;
@@ -110,24 +110,21 @@ uint64_t size_of_capture(const std::filesystem::path& path) {
   return size;
 }
 
-/// Sets up the lidars of a drive and their devices.
+/// Sets up the lidars of a drive.
 Result<void> set_up_lidars(const recording::Drive& drive, const std::vector<LidarOptions>& lidars,
-                           const LidarOverrides& overrides, DriveSetup& setup) {
+                           const LidarOverrides& overrides, SensorSetup& setup) {
   const recording::DriveDescription& description = drive.description;
   std::vector<std::string> captures;
   for (size_t i = 0; i < description.lidars.size(); ++i) {
     const LidarMount& mount = description.rig.lidars[i];
     const recording::LidarFiles& files = description.lidars[i];
-    LidarSetup lidar{mount.name, !files.packets.empty(), {}};
-    Device device{mount.name,
-                  "lidar",
-                  mount.model.empty() ? "unknown" : mount.model,
-                  "configured",
-                  endpoint_of(files),
-                  std::nullopt};
+    LidarSetup lidar{{mount.name, "lidar", mount.model.empty() ? "unknown" : mount.model,
+                      "configured", endpoint_of(files), std::nullopt},
+                     !files.packets.empty(),
+                     {}};
     if (lidar.has_packets) {
-      const auto set_up = set_up_packets(
-          drive, files, mount.model, find_options(mount.name, lidars), overrides, lidar, device);
+      const auto set_up = set_up_packets(drive, files, mount.model,
+                                         find_options(mount.name, lidars), overrides, lidar);
       if (!set_up) return tl::unexpected(set_up.error());
       if (std::find(captures.begin(), captures.end(), files.packets) == captures.end()) {
         captures.push_back(files.packets);
@@ -135,45 +132,35 @@ Result<void> set_up_lidars(const recording::Drive& drive, const std::vector<Lida
       }
     }
     setup.lidars.push_back(std::move(lidar));
-    setup.devices.push_back(std::move(device));
   }
   return {};
 }
 
-/// Sets up the other sensors of a drive and their devices.
-Result<void> set_up_streams(const recording::Drive& drive, DriveSetup& setup) {
-  const recording::DriveDescription& description = drive.description;
+void set_up_cameras(const recording::DriveDescription& description, SensorSetup& setup) {
   for (size_t i = 0; i < description.cameras.size(); ++i) {
     const CameraMount& mount = description.rig.cameras[i];
     const recording::CameraFiles& files = description.cameras[i];
-    setup.cameras.push_back({.bayer = files.mosaic, .grey = files.grey});
     const bool name_in_use = description.rig.find_lidar(mount.name) != nullptr;
-    setup.devices.push_back(
-        {(name_in_use ? "camera " : "") + mount.name, "camera",
-         mount.intrinsics.model == CameraIntrinsics::Model::kPinhole ? "pinhole" : "fisheye",
-         "configured", description.cameras[i].images, std::nullopt});
+    const bool pinhole = mount.intrinsics.model == CameraIntrinsics::Model::kPinhole;
+    setup.cameras.push_back(
+        {{(name_in_use ? "camera " : "") + mount.name, "camera", pinhole ? "pinhole" : "fisheye",
+          "configured", files.images, std::nullopt},
+         {.bayer = files.mosaic, .grey = files.grey}});
   }
-  auto vehicle = set_up_vehicle(drive);
-  if (!vehicle) return tl::unexpected(vehicle.error());
-  setup.vehicle = *std::move(vehicle);
-  const auto add = [&](const char* kind, const std::string& file) {
-    setup.devices.push_back({kind, kind, file, "configured", file, std::nullopt});
-  };
-  if (description.can) add("can", description.can->log);
-  if (setup.vehicle.has_speed) add("speed", description.speed);
-  if (setup.vehicle.has_imu) add("imu", description.imu);
-  if (setup.vehicle.has_gnss) add("gnss", description.gnss);
-  if (!description.gnss_lidar.empty()) {
-    const auto lidar =
-        std::find_if(setup.lidars.begin(), setup.lidars.end(),
-                     [&](const LidarSetup& known) { return known.name == description.gnss_lidar; });
-    setup.gnss_lidar = LidarIndex(static_cast<size_t>(lidar - setup.lidars.begin()));
-    setup.vehicle.has_gnss = true;
-    setup.devices.push_back({"gnss", "gnss", "NMEA", "position packets carry NMEA sentences",
-                             "position packets of " + setup.lidars[*setup.gnss_lidar].name,
-                             std::nullopt});
-  }
-  return {};
+}
+
+/// Sets up the GNSS receiver that is connected to a lidar.
+void set_up_gnss_lidar(const recording::DriveDescription& description, SensorSetup& setup) {
+  if (description.gnss_lidar.empty()) return;
+  size_t lidar = 0;
+  while (setup.lidars[lidar].device.name != description.gnss_lidar) ++lidar;
+  setup.gnss_lidar = LidarIndex(lidar);
+  setup.vehicle.gnss = Device{"gnss",
+                              "gnss",
+                              "NMEA",
+                              "position packets carry NMEA sentences",
+                              "position packets of " + description.gnss_lidar,
+                              std::nullopt};
 }
 
 }  // namespace
@@ -183,20 +170,26 @@ Result<const lidar::LidarModel*> requested_model(const std::string& name) {
   return makers::require_model(name, "--model");
 }
 
-Result<DriveSetup> open_drive(const std::filesystem::path& path,
-                              const std::vector<LidarOptions>& lidars,
-                              const LidarOverrides& overrides) {
+Result<SensorSetup> open_drive(const std::filesystem::path& path,
+                               const std::vector<LidarOptions>& lidars,
+                               const LidarOverrides& overrides) {
   const auto drive = find_drive(path, lidars);
   if (!drive) return tl::unexpected(drive.error());
   auto source = recording::DriveSource::open(*drive);
   if (!source) return tl::unexpected(source.error());
-  DriveSetup setup;
+  SensorSetup setup;
   setup.path = path;
   setup.source = *std::move(source);
   setup.rig = drive->description.rig;
-  return set_up_lidars(*drive, lidars, overrides, setup)
-      .and_then([&] { return set_up_streams(*drive, setup); })
-      .map([&] { return std::move(setup); });
+  if (auto done = set_up_lidars(*drive, lidars, overrides, setup); !done) {
+    return tl::unexpected(done.error());
+  }
+  set_up_cameras(drive->description, setup);
+  auto vehicle = set_up_vehicle(*drive);
+  if (!vehicle) return tl::unexpected(vehicle.error());
+  setup.vehicle = *std::move(vehicle);
+  set_up_gnss_lidar(drive->description, setup);
+  return setup;
 }
 
 }  // namespace infuse::daemon

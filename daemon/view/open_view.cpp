@@ -1,4 +1,4 @@
-#include "daemon/run/open_view.hpp"
+#include "daemon/view/open_view.hpp"
 
 #include <spdlog/spdlog.h>
 

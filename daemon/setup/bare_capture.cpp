@@ -1,4 +1,4 @@
-#include "daemon/pipeline/bare_capture.hpp"
+#include "daemon/setup/bare_capture.hpp"
 
 #include <spdlog/fmt/fmt.h>
 

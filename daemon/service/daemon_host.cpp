@@ -1,4 +1,4 @@
-#include "daemon/run/daemon_host.hpp"
+#include "daemon/service/daemon_host.hpp"
 
 #include <spdlog/spdlog.h>
 

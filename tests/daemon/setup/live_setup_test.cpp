@@ -1,4 +1,4 @@
-#include "daemon/sensors/live_setup.hpp"
+#include "daemon/setup/live_setup.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,6 @@
 #include <fstream>
 #include <regex>
 
-#include "daemon/sensors/drive_description.hpp"
 #include "drivers/text/text_file.hpp"
 #include "tests/folders.hpp"
 
@@ -45,7 +44,7 @@ class LiveSetupTest : public testing::Test {
   }
   ~LiveSetupTest() override { std::filesystem::remove_all(folder_); }
 
-  Result<LiveSetup> set_up(const std::string& text) {
+  Result<SensorSetup> set_up(const std::string& text) {
     auto config = parse_config(text, "x.toml");
     EXPECT_TRUE(config.has_value()) << config.error().message();
     config->folder = folder_;
@@ -65,23 +64,26 @@ TEST_F(LiveSetupTest, SensorsAreMountedAsTheRigHasThem) {
       "[[can]]\nname = \"bus\"\ndbc = \"car.dbc\"\nsignals = { yaw_rate = \"ESP.YAW\" }\n"
       "[gnss]\ndevice = \"/dev/ttyUSB0\"\n");
   ASSERT_TRUE(setup.has_value()) << setup.error().message();
-  EXPECT_EQ(setup->delivery, Delivery::kOverwrite);
+  EXPECT_TRUE(setup->live);
   ASSERT_EQ(setup->rig.lidars.size(), 1U);
   EXPECT_EQ(setup->rig.lidars[0].T_vehicle_lidar.translation().z(), 1.8);
   // The camera of the rig comes first, with the size and delay of the rig.
   ASSERT_EQ(setup->rig.cameras.size(), 1U);
-  ASSERT_EQ(setup->camera_streams.size(), 2U);
-  EXPECT_EQ(setup->camera_streams[0].device, "/dev/video0");
-  EXPECT_EQ(setup->camera_streams[0].width, 640);
-  EXPECT_EQ(setup->camera_streams[0].stamp_delay, from_seconds(0.004));
+  ASSERT_EQ(setup->cameras.size(), 2U);
+  EXPECT_EQ(setup->cameras[0].stream.device, "/dev/video0");
+  EXPECT_EQ(setup->cameras[0].stream.width, 640);
+  EXPECT_EQ(setup->cameras[0].stream.stamp_delay, from_seconds(0.004));
   std::vector<std::string> kinds;
-  for (const Device& device : setup->devices) kinds.push_back(device.kind + " " + device.name);
+  for (const auto& [id, device] : setup->sensors())
+    kinds.push_back(device.kind + " " + device.name);
   EXPECT_THAT(kinds, testing::ElementsAre("lidar top", "camera front", "camera rear", "can bus",
                                           "gnss gnss"));
-  EXPECT_EQ(setup->stream_count(), 4U);
+  EXPECT_EQ(setup->sensors()[2].id, (SensorId{SensorKind::kCamera, 1}));
+  EXPECT_FALSE(setup->is_mounted(CameraIndex(1)));
   // The kernel passes only the identifiers that the signals need.
-  ASSERT_EQ(setup->interfaces.size(), 1U);
-  EXPECT_EQ(setup->interfaces[0].identifiers, (std::vector<vehicle::CanIdentifier>{{291, false}}));
+  ASSERT_EQ(setup->vehicle.buses.size(), 1U);
+  EXPECT_EQ(setup->vehicle.buses[0].interface.identifiers,
+            (std::vector<vehicle::CanIdentifier>{{291, false}}));
   EXPECT_TRUE(setup->vehicle.has_odometry());
 }
 
@@ -92,24 +94,9 @@ TEST_F(LiveSetupTest, AGnssReceiverMayBeConnectedToALidar) {
   const auto setup = set_up(lidars + "[gnss]\nlidar = \"b\"\n");
   ASSERT_TRUE(setup.has_value()) << setup.error().message();
   EXPECT_EQ(setup->gnss_lidar, 1U);
-  EXPECT_FALSE(setup->gnss.has_value());
-  EXPECT_EQ(setup->devices.back().kind, "gnss");
+  EXPECT_FALSE(setup->gnss_serial.has_value());
+  EXPECT_EQ(setup->sensors().back().id.kind, SensorKind::kGnss);
   EXPECT_FALSE(set_up(lidars + "[gnss]\nlidar = \"c\"\n").has_value());
-}
-
-TEST_F(LiveSetupTest, ARecordingNamesTheSourceOfItsFixes) {
-  const std::string lidar = "[[lidar]]\nname = \"a\"\nmodel = \"VLP-16\"\n";
-  const auto describe = [&](const std::string& text) {
-    auto config = parse_config(lidar + text, "x.toml");
-    EXPECT_TRUE(config.has_value());
-    return describe_drive(*config, *set_up_live(*config)).description;
-  };
-  EXPECT_EQ(describe("").gnss, "");
-  EXPECT_EQ(describe("[gnss]\ndevice = \"/dev/ttyUSB0\"\n").gnss, "gnss.csv");
-  // Fixes in position packets are in lidar.pcap already.
-  const auto from_packets = describe("[gnss]\nlidar = \"a\"\n");
-  EXPECT_EQ(from_packets.gnss, "");
-  EXPECT_EQ(from_packets.gnss_lidar, "a");
 }
 
 TEST_F(LiveSetupTest, LidarsThatShareAPortAreDistinguishedBySender) {
@@ -152,7 +139,7 @@ TEST_F(LiveSetupTest, TheExamplesAreValid) {
     const auto setup =
         set_up(std::regex_replace(*text, std::regex("/etc/infuse/\\w+.dbc"), "all.dbc"));
     ASSERT_TRUE(setup.has_value()) << setup.error().message();
-    EXPECT_EQ(setup->devices.size(), devices);
+    EXPECT_EQ(setup->sensors().size(), devices);
     EXPECT_TRUE(setup->vehicle.notes.empty());
   }
 }

@@ -19,11 +19,22 @@ class SensorIndex {
   uint32_t value_ = 0;
 };
 
-/// Index of a lidar, as in `PipelineSetup::lidars` and in the rig.
+/// Index of a lidar, as in `SensorSetup::lidars` and in the rig.
 using LidarIndex = SensorIndex<struct LidarKind>;
-/// Index of a camera, as in `PipelineSetup::cameras`; those of the rig come first.
+/// Index of a camera, as in `SensorSetup::cameras`, and in the rig if it has a mount.
 using CameraIndex = SensorIndex<struct CameraKind>;
 /// Index of a bus, as in `VehicleSetup::buses`.
 using BusIndex = SensorIndex<struct BusKind>;
+
+/// Kinds of sensors.
+enum class SensorKind : uint8_t { kLidar, kCamera, kBus, kSpeed, kImu, kGnss };
+
+/// Names a sensor of a setup, of whatever kind.
+struct SensorId {
+  SensorKind kind = SensorKind::kLidar;
+  size_t index = 0;  ///< LidarIndex, CameraIndex or BusIndex; 0 for the others
+
+  bool operator==(const SensorId&) const = default;
+};
 
 }  // namespace infuse::daemon

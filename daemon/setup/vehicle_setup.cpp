@@ -1,4 +1,4 @@
-#include "daemon/pipeline/vehicle_setup.hpp"
+#include "daemon/setup/vehicle_setup.hpp"
 
 #include <string_view>
 #include <utility>
@@ -47,10 +47,10 @@ Result<SignalMap> signal_map(const recording::CanFiles& can, const std::string& 
 
 }  // namespace
 
-Result<std::optional<vehicle::VehicleDecoder>> set_up_bus(const recording::CanFiles& can,
-                                                          const std::filesystem::path& folder,
-                                                          const std::string& where,
-                                                          std::vector<Error>& notes) {
+Result<std::optional<vehicle::VehicleDecoder>> make_decoder(const recording::CanFiles& can,
+                                                            const std::filesystem::path& folder,
+                                                            const std::string& where,
+                                                            std::vector<Error>& notes) {
   if (can.signals.empty()) return std::nullopt;
   const auto map = signal_map(can, where);
   if (!map) return tl::unexpected(map.error());
@@ -65,14 +65,20 @@ Result<std::optional<vehicle::VehicleDecoder>> set_up_bus(const recording::CanFi
 Result<VehicleSetup> set_up_vehicle(const recording::Drive& drive) {
   const recording::DriveDescription& description = drive.description;
   VehicleSetup setup;
-  setup.has_speed = !description.speed.empty();
-  setup.has_imu = !description.imu.empty();
-  setup.has_gnss = !description.gnss.empty();
+  const auto device = [](const char* kind, const std::string& file) -> std::optional<Device> {
+    if (file.empty()) return std::nullopt;
+    return Device{kind, kind, file, "configured", file, std::nullopt};
+  };
+  setup.speed = device("speed", description.speed);
+  setup.imu = device("imu", description.imu);
+  setup.gnss = device("gnss", description.gnss);
   if (!description.can) return setup;
-  auto bus = set_up_bus(*description.can, drive.folder, (drive.folder / "drive.toml").string(),
-                        setup.notes);
-  if (!bus) return tl::unexpected(bus.error());
-  setup.buses.push_back(*std::move(bus));
+  auto decoder = make_decoder(*description.can, drive.folder,
+                              (drive.folder / "drive.toml").string(), setup.notes);
+  if (!decoder) return tl::unexpected(decoder.error());
+  const std::string& log = description.can->log;
+  setup.buses.push_back(
+      {{"can", "can", log, "configured", log, std::nullopt}, *std::move(decoder)});
   return setup;
 }
 

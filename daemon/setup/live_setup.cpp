@@ -1,10 +1,9 @@
-#include "daemon/sensors/live_setup.hpp"
+#include "daemon/setup/live_setup.hpp"
 
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 
-#include "drivers/lidar/packet_filter.hpp"
 #include "drivers/makers/makers.hpp"
 #include "drivers/measurement/ipv4_address.hpp"
 #include "drivers/recording/drive_toml.hpp"
@@ -17,26 +16,6 @@ Result<Rig> read_configured_rig(const Config& config) {
   return recording::read_rig(config.resolve(config.rig));
 }
 
-bool same_socket(const lidar::UdpOptions& a, const lidar::UdpOptions& b) {
-  return a.port == b.port && a.address == b.address && a.multicast == b.multicast &&
-         a.interface == b.interface && a.tap == b.tap;
-}
-
-/// Two lidars that share a port must have different senders.
-Result<void> check_senders(const std::vector<LidarOptions>& lidars) {
-  for (size_t i = 0; i < lidars.size(); ++i) {
-    for (size_t j = 0; j < i; ++j) {
-      const LidarOptions &a = lidars[j], &b = lidars[i];
-      const bool apart = parse_address(a.sender) != parse_address(b.sender);
-      if (apart || !same_socket(a.udp(a.port), b.udp(b.port))) continue;
-      return fail(fmt::format("lidars '{}' and '{}' cannot be told apart on port {}", a.name,
-                              b.name, b.port),
-                  b.source, "give each its sender, or another port");
-    }
-  }
-  return {};
-}
-
 Result<void> check_record_folder(const Config& config) {
   if (config.record.directory.empty()) return {};
   const std::filesystem::path folder = config.resolve(config.record.directory);
@@ -45,16 +24,6 @@ Result<void> check_record_folder(const Config& config) {
     return {};
   }
   return fail("record.directory is not a folder", folder.string());
-}
-
-void add_port_sender(const lidar::UdpOptions& udp, const PortSetup::Sender& sender,
-                     std::vector<PortSetup>& ports) {
-  for (PortSetup& port : ports) {
-    if (!same_socket(port.udp, udp)) continue;
-    port.udp.receive_buffer = std::max(port.udp.receive_buffer, udp.receive_buffer);
-    return port.senders.push_back(sender);
-  }
-  ports.push_back({udp, {sender}});
 }
 
 std::string endpoint_of(const LidarOptions& lidar) {
@@ -66,13 +35,16 @@ std::string endpoint_of(const LidarOptions& lidar) {
 }
 
 Result<void> set_up_lidar(const Config& config, const LidarOptions& options, const Rig& rig,
-                          LiveSetup& setup) {
+                          SensorSetup& setup) {
   const lidar::LidarModel* model = makers::find_model(options.model);
   if (model == nullptr) {
     return fail("lidar '" + options.name + "' has no model", options.source,
                 "give it one: model = \"HDL-32E\"");
   }
-  LidarSetup lidar{options.name, true, {}};
+  LidarSetup lidar{
+      {options.name, "lidar", model->name, "configured", endpoint_of(options), std::nullopt},
+      true,
+      {}};
   lidar.decoder.model = model;
   lidar.decoder.cut_azimuth = options.cut_azimuth_deg;
   lidar.decoder.sender = parse_address(options.sender).value_or(0);
@@ -82,21 +54,14 @@ Result<void> set_up_lidar(const Config& config, const LidarOptions& options, con
     lidar.decoder.calibration = *loaded;
   }
   if (auto made = lidar::make_decoder(lidar.decoder); !made) return tl::unexpected(made.error());
-  const size_t index = setup.lidars.size();
-  const uint32_t sender = lidar.decoder.sender;
-  add_port_sender(options.udp(options.port), {sender, index, true}, setup.ports);
-  if (options.position_port != options.port) {
-    add_port_sender(options.udp(options.position_port), {sender, index, false}, setup.ports);
-  }
   const LidarMount* mount = rig.find_lidar(options.name);
   setup.rig.lidars.push_back(mount != nullptr ? *mount : LidarMount{options.name, options.model});
   setup.lidars.push_back(std::move(lidar));
-  setup.devices.push_back(
-      {options.name, "lidar", model->name, "configured", endpoint_of(options), std::nullopt});
   return {};
 }
 
-Result<void> add_camera(const CameraOptions& options, const CameraMount* mount, LiveSetup& setup) {
+Result<void> add_camera(const CameraOptions& options, const CameraMount* mount,
+                        SensorSetup& setup) {
   camera::V4l2Options stream = options.stream;
   if (mount != nullptr) {
     const CameraIntrinsics& intrinsics = mount->intrinsics;
@@ -112,18 +77,19 @@ Result<void> add_camera(const CameraOptions& options, const CameraMount* mount, 
     stream.stamp_delay += mount->stamp_delay;
     setup.rig.cameras.push_back(*mount);
   }
-  const bool name_in_use = std::any_of(setup.devices.begin(), setup.devices.end(),
-                                       [&](const Device& d) { return d.name == options.name; });
-  setup.devices.push_back({(name_in_use ? "camera " : "") + options.name, "camera",
-                           stream.format ? camera::name_of(*stream.format) : "any format",
-                           "configured", stream.device, std::nullopt});
-  setup.cameras.push_back({});
-  setup.camera_streams.push_back(std::move(stream));
+  const auto has_name = [&](const auto& sensor) { return sensor.device.name == options.name; };
+  const bool name_in_use = std::any_of(setup.lidars.begin(), setup.lidars.end(), has_name) ||
+                           std::any_of(setup.cameras.begin(), setup.cameras.end(), has_name);
+  setup.cameras.push_back({{(name_in_use ? "camera " : "") + options.name, "camera",
+                            stream.format ? camera::name_of(*stream.format) : "any format",
+                            "configured", stream.device, std::nullopt},
+                           {},
+                           std::move(stream)});
   return {};
 }
 
 /// Cameras of the rig come first: the pipeline uses their indices.
-Result<void> set_up_cameras(const Config& config, const Rig& rig, LiveSetup& setup) {
+Result<void> set_up_cameras(const Config& config, const Rig& rig, SensorSetup& setup) {
   for (const bool mounted : {true, false}) {
     for (const CameraOptions& options : config.cameras) {
       const CameraMount* mount = rig.find_camera(options.name);
@@ -139,27 +105,25 @@ Result<void> set_up_cameras(const Config& config, const Rig& rig, LiveSetup& set
   return {};
 }
 
-Result<void> set_up_buses(const Config& config, LiveSetup& setup) {
+Result<void> set_up_buses(const Config& config, SensorSetup& setup) {
   for (const BusOptions& options : config.buses) {
     recording::CanFiles files;
     files.dbc = options.dbc;
     files.reverse_gear = options.reverse_gear;
     files.signals = options.signals;
-    auto bus = set_up_bus(files, config.folder, options.source, setup.vehicle.notes);
-    if (!bus) return tl::unexpected(bus.error());
-    vehicle::SocketCanOptions interface {
-      .interface = options.interface, .identifiers = {}
-    };
-    if (*bus) interface.identifiers = (*bus)->identifiers();
-    setup.interfaces.push_back(std::move(interface));
-    setup.vehicle.buses.push_back(*std::move(bus));
-    setup.devices.push_back(
-        {options.name, "can", options.interface, "configured", options.interface, std::nullopt});
+    auto decoder = make_decoder(files, config.folder, options.source, setup.vehicle.notes);
+    if (!decoder) return tl::unexpected(decoder.error());
+    vehicle::SocketCanOptions socket{.interface = options.interface, .identifiers = {}};
+    if (*decoder) socket.identifiers = (*decoder)->identifiers();
+    setup.vehicle.buses.push_back(
+        {{options.name, "can", options.interface, "configured", options.interface, std::nullopt},
+         *std::move(decoder),
+         std::move(socket)});
   }
   return {};
 }
 
-Result<void> set_up_gnss(const Config& config, LiveSetup& setup) {
+Result<void> set_up_gnss(const Config& config, SensorSetup& setup) {
   const GnssOptions& gnss = config.gnss;
   if (gnss.device.empty() && gnss.lidar.empty()) return {};
   std::string endpoint = gnss.device;
@@ -172,10 +136,9 @@ Result<void> set_up_gnss(const Config& config, LiveSetup& setup) {
     setup.gnss_lidar = LidarIndex(static_cast<size_t>(lidar - config.lidars.begin()));
     endpoint = "position packets of " + gnss.lidar;
   } else {
-    setup.gnss = vehicle::SerialOptions{gnss.device, gnss.baud};
+    setup.gnss_serial = vehicle::SerialOptions{gnss.device, gnss.baud};
   }
-  setup.vehicle.has_gnss = true;
-  setup.devices.push_back({"gnss", "gnss", "NMEA", "configured", endpoint, std::nullopt});
+  setup.vehicle.gnss = Device{"gnss", "gnss", "NMEA", "configured", endpoint, std::nullopt};
   return {};
 }
 
@@ -210,39 +173,22 @@ std::vector<Error> find_doubts(const Config& config, const Rig& rig) {
   return doubts;
 }
 
-/// Where every lidar of a port has a sender, the kernel filters.
-void filter_senders(PortSetup& port) {
-  for (const PortSetup::Sender& sender : port.senders) {
-    if (sender.address == 0) return;
-  }
-  if (port.senders.size() > lidar::PacketFilter::kMaxSenders) return;
-  for (const PortSetup::Sender& sender : port.senders) port.udp.senders.push_back(sender.address);
-}
-
 }  // namespace
 
-size_t PortSetup::lidar_of(uint32_t sender) const {
-  const Sender* any = nullptr;
-  for (const Sender& known : senders) {
-    if (known.address == sender) return known.lidar;
-    if (known.address == 0) any = &known;
-  }
-  return any != nullptr ? any->lidar : senders.front().lidar;
-}
-
-Result<LiveSetup> set_up_live(const Config& config) {
+Result<SensorSetup> set_up_live(const Config& config) {
   const auto rig = read_configured_rig(config);
   if (!rig) return tl::unexpected(rig.error());
-  LiveSetup setup;
-  setup.delivery = Delivery::kOverwrite;
+  SensorSetup setup;
+  setup.live = true;
   if (auto usable = check_record_folder(config); !usable) return tl::unexpected(usable.error());
-  if (auto apart = check_senders(config.lidars); !apart) return tl::unexpected(apart.error());
+  auto ports = set_up_ports(config.lidars);
+  if (!ports) return tl::unexpected(ports.error());
+  setup.ports = *std::move(ports);
   for (const LidarOptions& lidar : config.lidars) {
     if (auto done = set_up_lidar(config, lidar, *rig, setup); !done) {
       return tl::unexpected(done.error());
     }
   }
-  for (PortSetup& port : setup.ports) filter_senders(port);
   if (auto done = set_up_cameras(config, *rig, setup); !done) return tl::unexpected(done.error());
   if (auto done = set_up_buses(config, setup); !done) return tl::unexpected(done.error());
   if (auto done = set_up_gnss(config, setup); !done) return tl::unexpected(done.error());

@@ -1,4 +1,4 @@
-#include "daemon/run/service_lifecycle.hpp"
+#include "daemon/service/service_lifecycle.hpp"
 
 #include <spdlog/spdlog.h>
 
@@ -18,10 +18,9 @@ namespace {
 constexpr std::array kReloadableKeys = {"log_level", "socket", "health", "record"};
 
 std::string status_text(const Publisher& publisher) {
-  const Totals& totals = publisher.totals();
-  const auto ok_sensors = std::count(totals.levels.begin(), totals.levels.end(), Level::kOk);
-  return fmt::format("{} of {} sensors are OK, {} alerts since the start", ok_sensors,
-                     publisher.device_count(), totals.alerts);
+  const HealthChecks& checks = publisher.checks();
+  return fmt::format("{} of {} sensors are OK, {} alerts since the start", checks.ok_sensor_count(),
+                     checks.sensor_count(), publisher.totals().alerts);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "daemon/run/open_messages.hpp"
+#include "daemon/view/open_messages.hpp"
 
 #include <spdlog/spdlog.h>
 

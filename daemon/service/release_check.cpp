@@ -1,4 +1,4 @@
-#include "daemon/run/release_check.hpp"
+#include "daemon/service/release_check.hpp"
 
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -9,8 +9,8 @@
 #include "daemon/history/history_file.hpp"
 #include "daemon/history/saved_state.hpp"
 #include "daemon/pipeline/pipeline.hpp"
-#include "daemon/run/daemon_host.hpp"
-#include "daemon/sensors/live_setup.hpp"
+#include "daemon/service/daemon_host.hpp"
+#include "daemon/setup/live_setup.hpp"
 #include "drivers/makers/makers.hpp"
 #include "drivers/recording/atomic_file.hpp"
 #include "drivers/text/text_file.hpp"
@@ -100,14 +100,13 @@ const lidar::LidarModel* find_example(const lidar::LidarMaker& maker) {
   return nullptr;
 }
 
-PipelineSetup generated_setup(const lidar::LidarModel& model) {
-  PipelineSetup setup;
-  LidarSetup lidar{"self-test", true, {}};
+SensorSetup generated_setup(const lidar::LidarModel& model) {
+  SensorSetup setup;
+  LidarSetup lidar{
+      {"self-test", "lidar", model.name, "generated", "generated", std::nullopt}, true, {}};
   lidar.decoder.model = &model;
   setup.lidars.push_back(lidar);
   setup.rig.lidars.push_back(LidarMount{"self-test", model.name});
-  setup.devices.push_back(
-      {"self-test", "lidar", model.name, "generated", "generated", std::nullopt});
   return setup;
 }
 
@@ -127,7 +126,7 @@ void feed_generated(Intake& intake, const lidar::LidarModel& model) {
 
 /// Decodes generated turns of a model through the threads of a pipeline.
 Result<void> decode_turns(const lidar::LidarModel& model) {
-  const PipelineSetup setup = generated_setup(model);
+  const SensorSetup setup = generated_setup(model);
   boost::asio::io_context io(1);
   Server server(io, {}, version(), "0000000000000000");
   PipelineOptions options;
@@ -194,7 +193,7 @@ Result<void> decode_generated_turns() {
 ExitCode self_test(const Config& config, const std::filesystem::path& state, std::ostream& out) {
   const auto setup = set_up_live(config);
   if (!setup) return report_failure(setup.error(), kUsage, out);
-  out << "ok: configuration, " << setup->devices.size() << " sensors\n";
+  out << "ok: configuration, " << setup->sensors().size() << " sensors\n";
   ExitCode code = test_maps(config, out);
   const ExitCode of_state = test_state(state, out);
   if (code == kDone) code = of_state;

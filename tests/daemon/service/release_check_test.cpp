@@ -1,4 +1,4 @@
-#include "daemon/run/release_check.hpp"
+#include "daemon/service/release_check.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
