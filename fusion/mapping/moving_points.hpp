@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "fusion/mapping/submap.hpp"
 #include "fusion/features/neighbour_search.hpp"
+#include "fusion/mapping/submap.hpp"
 #include "fusion/registration/range_image.hpp"
 
 namespace infuse::mapping {

@@ -24,7 +24,7 @@ class MapRegistration {
                            const Eigen::Isometry3d& T_map_lidar_guess,
                            const std::optional<PosePrior>& prior);
 
-  /// A few steps from a guess among many: `overlap` tells how well it fits. Without covariance.
+  /// A few steps from a guess among many: `overlap` says how well it fits. Without covariance.
   RegistrationResult attempt(const VoxelMap& map, const PointCloud& points,
                              const Eigen::Isometry3d& T_map_lidar_guess);
 

@@ -163,9 +163,9 @@ void align_small_gicp(benchmark::State& state, bool whole_drive) {
       peer.set_points(1, pair.source.points());
       for (const int which : {0, 1}) peer.prepare(which, kVoxelSize, kNeighbours);
       state.ResumeTiming();
-      iterations += static_cast<double>(1 + peer.align(identity.data(),
-                                                       RegistrationOptions().max_correspondence_distance,
-                                                       T_target_source.data()));
+      iterations += static_cast<double>(
+          1 + peer.align(identity.data(), RegistrationOptions().max_correspondence_distance,
+                         T_target_source.data()));
       ++count;
     }
   }
