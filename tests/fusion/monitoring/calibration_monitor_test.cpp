@@ -87,10 +87,10 @@ TEST(CalibrationMonitor, ARotatedCameraIsDetectedWithItsAxis) {
 TEST(CalibrationMonitor, ANewCalibrationResetsTheEvidence) {
   CalibrationMonitor monitor(small_camera(), turned(1, 1), {});
   Driver driver;
-  EXPECT_EQ(driver.drive(monitor, 60).drift, Drift::kConfirmed);
+  EXPECT_EQ(driver.drive(monitor, 60).verdict.drift, Drift::kConfirmed);
   monitor.set_calibration(true_T_camera_lidar());
-  EXPECT_NE(driver.drive(monitor, 1).drift, Drift::kConfirmed);
-  EXPECT_EQ(driver.drive(monitor, 60).drift, Drift::kHolds);
+  EXPECT_NE(driver.drive(monitor, 1).verdict.drift, Drift::kConfirmed);
+  EXPECT_EQ(driver.drive(monitor, 60).verdict.drift, Drift::kHolds);
 }
 
 TEST(CalibrationMonitor, TheAlternativeIsComparedWithTheCurrent) {

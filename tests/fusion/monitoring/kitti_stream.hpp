@@ -57,7 +57,7 @@ inline MonitorReport drive(CalibrationMonitor& monitor, const Stream& stream, in
       grey.stamp = Stamp::from_ns(500'000'000LL * ++next);
       report = monitor.process(grey, make_sweep_view(stream.sweeps[i]),
                                {.velocity = Eigen::Vector3d(0, 0, 16 + next % 3)});
-      if (report.drift == Drift::kConfirmed) return report;
+      if (report.verdict.drift == Drift::kConfirmed) return report;
     }
   }
   return report;

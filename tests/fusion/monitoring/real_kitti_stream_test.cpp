@@ -35,7 +35,7 @@ TEST(RealKittiStream, ARotationIsDetected) {
   for (const double degrees : {0.5, 1.0, -2.0}) {
     for (int axis = 0; axis < 3; ++axis) {
       CalibrationMonitor monitor(stream.camera, turned(stream, degrees, axis), {});
-      EXPECT_EQ(kitti::drive(monitor, stream, 6).drift, Drift::kConfirmed)
+      EXPECT_EQ(kitti::drive(monitor, stream, 6).verdict.drift, Drift::kConfirmed)
           << degrees << " " << axis;
     }
   }
