@@ -42,7 +42,7 @@ TEST_F(CalibrationGuardTest, ReportsTheFirstImageThenEveryTenSeconds) {
   EXPECT_EQ(first->camera, "front");
   EXPECT_EQ(first->state, CalibrationState::kMonitoring);
   EXPECT_EQ(first->since, at(0));
-  EXPECT_FALSE(first->evidence);
+  EXPECT_EQ(first->verdict.drift, monitoring::Drift::kLearning);
   EXPECT_FALSE(first->estimate);
   int reports = 0;
   for (int i = 1; i <= 200; ++i) {  // grey that changes: neither black nor frozen

@@ -14,7 +14,7 @@
 namespace infuse::daemon {
 namespace {
 
-constexpr Stamp kStart = Stamp::from_ns(1'700'000'000'000'000'000);
+constexpr Stamp kFirstPacket = Stamp::from_ns(1'700'000'000'000'000'000);
 constexpr uint32_t kPackets = 5 * 125;  // five turns
 
 /// Writes a capture of the made-up sensor, with datagrams of nobody among its own.
@@ -23,10 +23,12 @@ void write_capture(const std::filesystem::path& path) {
   ASSERT_TRUE(writer);
   const std::vector<uint8_t> noise(33);
   for (uint32_t i = 0; i < kPackets; ++i) {
-    const Stamp sent = kStart + (i + 1) * made_up::kSequences * made_up::kPeriod;
-    const auto payload = made_up::packet(i, kStart, 10);
+    const Stamp sent = kFirstPacket + (i + 1) * made_up::kSequences * made_up::kPeriod;
+    const auto payload = made_up::packet(i, kFirstPacket, 10);
     ASSERT_TRUE(writer->write({sent, 0x0A000001, 7777, 7777, payload}));
-    if (i % 10 == 0) ASSERT_TRUE(writer->write({sent, 0x0A000002, 99, 99, noise}));
+    if (i % 10 == 0) {
+      ASSERT_TRUE(writer->write({sent, 0x0A000002, 99, 99, noise}));
+    }
   }
   ASSERT_TRUE(writer->close());
 }
@@ -38,9 +40,10 @@ TEST(MadeUpMaker, ReplaysInspectsAndExports) {
 
   const auto replayed = run_replay(folder / "a.pcap");
   ASSERT_TRUE(replayed) << replayed.error().message();
-  ASSERT_EQ(replayed->devices.size(), 1U);
-  EXPECT_EQ(replayed->devices[0].model, "Ringer 4");
-  EXPECT_THAT(replayed->devices[0].model_reason, testing::HasSubstr("10.00 turns per second"));
+  ASSERT_EQ(replayed->sensors.size(), 1U);
+  EXPECT_EQ(replayed->sensors[0].device.model, "Ringer 4");
+  EXPECT_THAT(replayed->sensors[0].device.model_reason,
+              testing::HasSubstr("10.00 turns per second"));
   EXPECT_EQ(replayed->totals.counters.lidars[0].packets, kPackets);
   EXPECT_EQ(replayed->totals.counters.lidars[0].sweeps, 5U);
   EXPECT_EQ(replayed->totals.counters.lidars[0].returns, uint64_t{kPackets} * 32);
