@@ -48,8 +48,10 @@ struct Config {
   /// Folder of the file; relative paths in it start there.
   std::filesystem::path folder;
 
-  /// Returns a path of the configuration, relative to its folder.
-  std::filesystem::path resolve(const std::string& path) const { return folder / path; }
+  /// Returns a path of the configuration, relative to its folder; an address (http://) as it is.
+  std::filesystem::path resolve(const std::string& path) const {
+    return path.starts_with("http://") ? std::filesystem::path(path) : folder / path;
+  }
 };
 
 /// Parses a configuration; `file` is for messages.

@@ -70,6 +70,11 @@ void Intake::add_datagram(LidarIndex lidar, const Datagram& datagram) {
       [&](const GyroReadings& readings) {
         // Their axes are found by the motion that the first lidar measures.
         if (lidar == LidarIndex(0)) add_vehicle_sample(readings, datagram.stamp, false);
+      },
+      [&](const ImuSample& sample) {
+        // The filter has the biases of one unit only: the vehicle's, or the first lidar's.
+        if (lidar != LidarIndex(0) || vehicle_.has_inertial_unit()) return;
+        add_vehicle_sample(sample, datagram.stamp, false);
       });
 }
 

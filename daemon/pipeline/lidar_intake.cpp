@@ -4,7 +4,8 @@
 
 namespace infuse::daemon {
 
-LidarIntake::LidarIntake(const LidarSetup& setup) {
+LidarIntake::LidarIntake(const LidarSetup& setup)
+    : R_vehicle_lidar_(setup.T_vehicle_lidar.linear()) {
   if (setup.has_packets) decoder_ = lidar::make_decoder(setup.decoder).value();
 }
 
@@ -12,6 +13,15 @@ void LidarIntake::push(const Datagram& datagram) {
   decoder_->push(datagram);
   if (decoder_->counters().packets > counters_.packets) note_packet(datagram.stamp);
   copy_counters();
+}
+
+ImuSample LidarIntake::to_vehicle(const ImuSample& sample) const {
+  ImuSample turned = sample;
+  Eigen::Map<Eigen::Vector3d>(turned.angular_velocity.data()) =
+      R_vehicle_lidar_ * Eigen::Vector3d(sample.angular_velocity.data());
+  Eigen::Map<Eigen::Vector3d>(turned.linear_acceleration.data()) =
+      R_vehicle_lidar_ * Eigen::Vector3d(sample.linear_acceleration.data());
+  return turned;
 }
 
 void LidarIntake::copy_counters() {

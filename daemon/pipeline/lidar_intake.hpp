@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -10,6 +11,7 @@
 #include "drivers/measurement/datagram.hpp"
 #include "drivers/measurement/gyro_readings.hpp"
 #include "drivers/measurement/sweep.hpp"
+#include "drivers/measurement/vehicle_samples.hpp"
 
 namespace infuse::daemon {
 
@@ -21,22 +23,27 @@ class LidarIntake {
 
   /// Processes a datagram of one of the lidar's ports. Calls `on_sweep(Sweep&)` for every sweep
   /// that it completes; the callee may swap the sweep's arrays for others. Calls `on_fix(const
-  /// GnssFix&)` for a packet with a new fix of a GNSS receiver, and `on_gyros(const GyroReadings&)`
-  /// for one of a lidar that has gyros; both have the datagram's stamp.
-  template <class OnSweep, class OnFix, class OnGyros>
-  void add_datagram(const Datagram& datagram, OnSweep on_sweep, OnFix on_fix, OnGyros on_gyros) {
+  /// GnssFix&)` for a packet with a new fix of a GNSS receiver, `on_gyros(const GyroReadings&)`
+  /// for one of a lidar that has gyros, and `on_imu(const ImuSample&)`, in the vehicle's axes, for
+  /// one of a lidar that has an inertial unit.
+  template <class OnSweep, class OnFix, class OnGyros, class OnImu>
+  void add_datagram(const Datagram& datagram, OnSweep on_sweep, OnFix on_fix, OnGyros on_gyros,
+                    OnImu on_imu) {
     push(datagram);
     GnssFix fix;
     if (decoder_->pull(fix)) on_fix(fix);
     GyroReadings readings;
     if (decoder_->pull(readings)) on_gyros(readings);
+    ImuSample sample;
+    if (decoder_->pull(sample)) on_imu(to_vehicle(sample));
     pull(on_sweep);
   }
 
-  /// The same without gyros.
+  /// The same without gyros and inertial unit.
   template <class OnSweep, class OnFix>
   void add_datagram(const Datagram& datagram, OnSweep on_sweep, OnFix on_fix) {
-    add_datagram(datagram, on_sweep, on_fix, [](const GyroReadings&) {});
+    add_datagram(
+        datagram, on_sweep, on_fix, [](const GyroReadings&) {}, [](const ImuSample&) {});
   }
 
   /// The same without fixes.
@@ -92,10 +99,12 @@ class LidarIntake {
   }
 
   void push(const Datagram& datagram);
+  ImuSample to_vehicle(const ImuSample& sample) const;
   void copy_counters();
   void note_packet(Stamp stamp);
 
   std::unique_ptr<lidar::LidarDecoder> decoder_;  // null if the drive has decoded sweeps
+  Eigen::Matrix3d R_vehicle_lidar_;
   LidarCounters counters_;
   Sweep sweep_;
 };

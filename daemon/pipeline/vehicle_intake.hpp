@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -36,6 +37,13 @@ class VehicleIntake {
   void count(const ImuSample& sample) { count(imu_, sample.stamp); }
   void count(const GnssFix& fix) { count(gnss_, fix.stamp); }
 
+  /// True if the vehicle has an inertial unit of its own, so that a lidar's is not used: by the
+  /// set-up, or by what a bus has delivered.
+  bool has_inertial_unit() const {
+    return has_imu_ || std::any_of(buses_.begin(), buses_.end(),
+                                   [](const Bus& bus) { return bus.has_inertial_unit; });
+  }
+
   /// Problems of the CAN log.
   const vehicle::ProblemLog& problems() const { return reader_.problems(); }
 
@@ -46,6 +54,7 @@ class VehicleIntake {
   struct Bus {
     std::optional<vehicle::VehicleDecoder> decoder;
     StreamCounters counters;
+    bool has_inertial_unit = false;
   };
 
   template <class OnSample>
@@ -54,6 +63,7 @@ class VehicleIntake {
     const vehicle::VehicleSamples samples = bus.decoder->decode(frame);
     if (samples.wheels) on_sample(VehicleSample(*samples.wheels));
     if (samples.imu) on_sample(VehicleSample(*samples.imu));
+    bus.has_inertial_unit |= samples.imu.has_value();
     if (samples.wheels || samples.imu) ++bus.counters.used;
   }
   std::optional<vehicle::CanFrame> read(std::string_view line);

@@ -21,11 +21,14 @@ LidarCounters play_lidar(SensorSetup& setup, size_t lidar, OnSweep on_sweep, OnS
     if (setup.gnss_lidar == lidar) on_sample(fix);
   };
   const auto on_gyros = [&](const GyroReadings& readings) { on_sample(readings); };
+  const auto on_imu = [&](const ImuSample& sample) {
+    if (!vehicle.has_inertial_unit()) on_sample(sample);
+  };
   recording::DriveEvent event;
   while (setup.source.next(event)) {
     if (const auto* datagram = std::get_if<recording::DatagramEvent>(&event.content)) {
       if (datagram->lidar == lidar)
-        intake.add_datagram(datagram->datagram, on_sweep, on_fix, on_gyros);
+        intake.add_datagram(datagram->datagram, on_sweep, on_fix, on_gyros, on_imu);
     } else if (const auto* sweep = std::get_if<recording::SweepEvent>(&event.content)) {
       if (sweep->lidar == lidar) intake.add_sweep(*sweep->sweep, on_sweep);
     } else if (const auto* bus = std::get_if<recording::CanLineEvent>(&event.content)) {

@@ -26,11 +26,8 @@ Result<lidar::InferredModel> infer_model(const makers::Stream* stream, const std
 }
 
 Result<lidar::InferredModel> choose_model(const std::string& configured,
-                                          const makers::CaptureSurvey& survey,
-                                          const recording::LidarFiles& files,
-                                          const std::string& where,
+                                          const makers::Stream* stream, const std::string& where,
                                           const lidar::LidarModel* requested) {
-  const makers::Stream* stream = find_data_stream(survey, files);
   if (requested == nullptr && configured.empty()) return infer_model(stream, where);
   const auto model = requested != nullptr ? requested : makers::find_model(configured);
   if (model == nullptr) {
@@ -41,6 +38,39 @@ Result<lidar::InferredModel> choose_model(const std::string& configured,
   const auto inferred = stream != nullptr ? stream->inference->infer() : std::nullopt;
   if (inferred && inferred->model != model) chosen.reason += "; but " + inferred->reason;
   return chosen;
+}
+
+/// Model of a lidar, and the file of its unit's calibration; empty: there is none.
+struct ChosenUnit {
+  lidar::InferredModel model;
+  std::filesystem::path calibration;
+};
+
+/// Chooses the model, and the calibration: `overrides`, that of the drive, or the one that the
+/// maker finds for these packets.
+Result<ChosenUnit> choose_unit(const recording::Drive& drive, const recording::LidarFiles& files,
+                               const std::string& configured, const makers::Stream* stream,
+                               const LidarOverrides& overrides) {
+  const std::filesystem::path capture = drive.resolve(files.packets);
+  std::filesystem::path calibration = overrides.calibration;
+  if (calibration.empty() && !files.calibration.empty()) {
+    calibration = drive.resolve(files.calibration);
+  }
+  if (stream != nullptr) {
+    const auto stated = stream->maker->find_calibration(capture, calibration, *stream->inference);
+    if (!stated) return tl::unexpected(stated.error());
+    if (*stated) {
+      calibration = (*stated)->calibration;
+      if (overrides.model == nullptr && configured.empty()) {
+        const std::string reason = "stated by " + calibration.filename().string();
+        return ChosenUnit{{(*stated)->model, reason}, calibration};
+      }
+    }
+  }
+  const auto model = choose_model(configured, stream, capture.string(), overrides.model);
+  if (!model) return tl::unexpected(model.error());
+  const bool unused = files.calibration.empty() && !model->model->calibrated_per_unit;
+  return ChosenUnit{*model, unused ? std::filesystem::path() : calibration};
 }
 
 /// Options of the configured lidar of that name; the defaults if there is none.
@@ -64,24 +94,23 @@ Result<void> set_up_packets(const recording::Drive& drive, const recording::Lida
   const std::filesystem::path capture = drive.resolve(files.packets);
   const auto survey = survey_beginning(capture);
   if (!survey) return tl::unexpected(survey.error());
-  const auto chosen = choose_model(configured, *survey, files, capture.string(), overrides.model);
+  const makers::Stream* stream = find_data_stream(*survey, files);
+  const auto chosen = choose_unit(drive, files, configured, stream, overrides);
   if (!chosen) return tl::unexpected(chosen.error());
-  lidar.device.model = chosen->model->name;
-  lidar.device.model_reason = chosen->reason;
+  const lidar::LidarModel& model = *chosen->model.model;
+  lidar.device.model = model.name;
+  lidar.device.model_reason = chosen->model.reason;
   lidar::DecoderOptions& decoder = lidar.decoder;
-  decoder.model = chosen->model;
+  decoder.model = &model;
   decoder.cut_azimuth = options.cut_azimuth_deg;
   decoder.sender = files.sender.value_or(0);
-  const bool per_unit = chosen->model->calibrated_per_unit;
   const auto check = [&] { return lidar::make_decoder(decoder).map([](const auto&) {}); };
-  if (files.calibration.empty() && (overrides.calibration.empty() || !per_unit)) {
-    if (auto usable = check(); !usable || !per_unit) return usable;
+  if (chosen->calibration.empty()) {
+    if (auto usable = check(); !usable || !model.calibrated_per_unit) return usable;
     decoder.calibration = find_streamed_calibration(capture, files, decoder);
     return {};
   }
-  const std::filesystem::path calibration =
-      overrides.calibration.empty() ? drive.resolve(files.calibration) : overrides.calibration;
-  auto loaded = chosen->model->maker->load_calibration(*chosen->model, calibration);
+  auto loaded = model.maker->load_calibration(model, chosen->calibration);
   if (!loaded) return tl::unexpected(loaded.error());
   decoder.calibration = *loaded;
   return check();
@@ -121,7 +150,8 @@ Result<void> set_up_lidars(const recording::Drive& drive, const std::vector<Lida
     LidarSetup lidar{{mount.name, "lidar", mount.model.empty() ? "unknown" : mount.model,
                       "configured", endpoint_of(files), std::nullopt},
                      !files.packets.empty(),
-                     {}};
+                     {},
+                     mount.T_vehicle_lidar};
     if (lidar.has_packets) {
       const auto set_up = set_up_packets(drive, files, mount.model,
                                          find_options(mount.name, lidars), overrides, lidar);

@@ -41,10 +41,12 @@ Result<void> set_up_lidar(const Config& config, const LidarOptions& options, con
     return fail("lidar '" + options.name + "' has no model", options.source,
                 "give it one: model = \"HDL-32E\"");
   }
+  const LidarMount* mount = rig.find_lidar(options.name);
   LidarSetup lidar{
       {options.name, "lidar", model->name, "configured", endpoint_of(options), std::nullopt},
       true,
       {}};
+  if (mount != nullptr) lidar.T_vehicle_lidar = mount->T_vehicle_lidar;
   lidar.decoder.model = model;
   lidar.decoder.cut_azimuth = options.cut_azimuth_deg;
   lidar.decoder.sender = parse_address(options.sender).value_or(0);
@@ -54,7 +56,6 @@ Result<void> set_up_lidar(const Config& config, const LidarOptions& options, con
     lidar.decoder.calibration = *loaded;
   }
   if (auto made = lidar::make_decoder(lidar.decoder); !made) return tl::unexpected(made.error());
-  const LidarMount* mount = rig.find_lidar(options.name);
   setup.rig.lidars.push_back(mount != nullptr ? *mount : LidarMount{options.name, options.model});
   setup.lidars.push_back(std::move(lidar));
   return {};

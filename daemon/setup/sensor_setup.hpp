@@ -22,6 +22,7 @@ struct LidarSetup {
   Device device;
   bool has_packets = true;  ///< false: the drive has decoded sweeps
   lidar::DecoderOptions decoder;
+  Eigen::Isometry3d T_vehicle_lidar = Eigen::Isometry3d::Identity();  ///< for its inertial samples
 };
 
 /// A camera.

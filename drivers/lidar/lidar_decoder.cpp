@@ -20,9 +20,15 @@ const char* find_impossible(const PacketHeader& header) {
 
 LidarDecoder::LidarDecoder(const DecoderOptions& options, const ClockModelOptions& clock,
                            const SequenceTiming& timing)
+    : LidarDecoder(options, [&](PacketCounters& counters, Losses& losses) {
+        ReturnReader& reader = *this;
+        return std::make_unique<SweepAssembler>(options, clock, timing, reader, counters, losses);
+      }) {}
+
+LidarDecoder::LidarDecoder(const DecoderOptions& options, const MakeAssembler& make_assembler)
     : model_(*options.model),
       sender_(options.sender),
-      assembler_(options, clock, timing, counters_, losses_),
+      assembler_(make_assembler(counters_, losses_)),
       inference_(model_.maker->make_inference()),
       calibration_source_(options.calibration != nullptr ? CalibrationSource::kFile
                                                          : CalibrationSource::kBuiltIn) {}
@@ -51,8 +57,8 @@ void LidarDecoder::push(const Datagram& datagram) {
 
 /// A datagram of another kind is refused as a data packet.
 void LidarDecoder::push_data(const Datagram& datagram, bool data_packet) {
-  assembler_.require_pulled();
-  assembler_.resume();
+  assembler_->require_pulled();
+  assembler_->resume();
   counters_.sender = sender_.sender();
   if (sender_.refuses(datagram.sender)) return reject_sender(datagram);
   PacketHeader header;
@@ -62,11 +68,11 @@ void LidarDecoder::push_data(const Datagram& datagram, bool data_packet) {
     if (sender_.sender() != 0 && datagram.sender != sender_.sender()) {
       return reject_sender(datagram);
     }
-    if (data_packet) assembler_.note_refused();
+    if (data_packet) assembler_->note_refused();
     return refuse(datagram, fault);
   }
   if (!accept(datagram)) return reject_sender(datagram);
-  const auto verdict = assembler_.push(datagram, header);
+  const auto verdict = assembler_->push(datagram, header);
   if (!verdict) return;
   observe(datagram.payload, header, *verdict);
   inference_->add(datagram.payload);
@@ -119,7 +125,7 @@ void LidarDecoder::compare_model() {
 
 void LidarDecoder::finish() {
   compare_model();
-  assembler_.finish();
+  assembler_->finish();
 }
 
 }  // namespace infuse::lidar

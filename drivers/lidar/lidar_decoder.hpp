@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -37,7 +38,7 @@ class LidarDecoder : private ReturnReader {
 
   /// Decodes into `sweep`. True: the sweep is complete, call again with an empty one. False: all
   /// available data is decoded; pass the same sweep again after the next push.
-  bool pull(Sweep& sweep) { return assembler_.pull(sweep, *this); }
+  bool pull(Sweep& sweep) { return assembler_->pull(sweep); }
 
   /// The new fix of a GNSS receiver, readings of the gyros or sample of the inertial unit in the
   /// last datagram. False if there is none; the argument is unchanged then.
@@ -52,10 +53,10 @@ class LidarDecoder : private ReturnReader {
   const PacketCounters& counters() const { return counters_; }
 
   /// State of the device's clock at the last packet.
-  const ClockState& clock() const { return assembler_.clock().state(); }
+  const ClockState& clock() const { return assembler_->clock().state(); }
 
   /// Host time of a device counter within half a wrap of the last packet's.
-  Stamp to_host(Duration counter) const { return assembler_.clock().to_host(counter); }
+  Stamp to_host(Duration counter) const { return assembler_->clock().to_host(counter); }
 
   /// The configured model.
   const LidarModel& model() const { return model_; }
@@ -78,13 +79,22 @@ class LidarDecoder : private ReturnReader {
   void add_filtered(uint64_t datagrams) { losses_.add_filtered(datagrams); }
 
  protected:
-  /// The options must be valid; `timing` is that of the model's sequences.
+  /// Assembles by azimuth. The options must be valid; `timing` is that of the model's sequences.
   LidarDecoder(const DecoderOptions& options, const ClockModelOptions& clock,
                const SequenceTiming& timing);
+
+  /// Makes an assembler that counts into these.
+  using MakeAssembler =
+      std::function<std::unique_ptr<PacketAssembler>(PacketCounters& counters, Losses& losses)>;
+
+  /// Assembles in the maker's own way; `append` is not called. The options must be valid.
+  LidarDecoder(const DecoderOptions& options, const MakeAssembler& make_assembler);
 
   /// Parses the header of a data packet into `header`, which is empty. Returns what is wrong with
   /// the payload as static text, or null. All of the payload that `append` reads must be checked.
   virtual const char* parse(std::span<const uint8_t> payload, PacketHeader& header) const = 0;
+
+  void append(const HeldPacket&, const FiringPlan&, size_t, size_t, SweepWriter&) override {}
 
   /// Reads an information packet, or a packet of the inertial unit, of the sensor itself. Returns
   /// what is wrong with it as static text, or null.
@@ -104,10 +114,10 @@ class LidarDecoder : private ReturnReader {
   void give(const ImuSample& sample) { imu_ = sample; }
 
   void set_calibration_source(CalibrationSource source) { calibration_source_ = source; }
-  void set_timing(const SequenceTiming& timing) { assembler_.set_timing(timing); }
+  void set_timing(const SequenceTiming& timing) { assembler_->set_timing(timing); }
 
   /// States that the device's counter agrees with UTC, even if the host's clock says otherwise.
-  void confirm_hour() { assembler_.clock().confirm_hour(); }
+  void confirm_hour() { assembler_->clock().confirm_hour(); }
 
  private:
   template <class T>
@@ -128,7 +138,7 @@ class LidarDecoder : private ReturnReader {
   PacketCounters counters_;
   Losses losses_{counters_};
   SenderLock sender_;
-  SweepAssembler assembler_;
+  std::unique_ptr<PacketAssembler> assembler_;
   std::unique_ptr<ModelInference> inference_;
   uint64_t compared_packets_ = 0;
   CalibrationSource calibration_source_;

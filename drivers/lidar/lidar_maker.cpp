@@ -29,6 +29,12 @@ Result<std::shared_ptr<const UnitCalibration>> LidarMaker::load_calibration(
 
 std::optional<GnssFix> LidarMaker::read_fix(const Datagram&) const { return std::nullopt; }
 
+Result<std::optional<StatedModel>> LidarMaker::find_calibration(const std::filesystem::path&,
+                                                                const std::filesystem::path&,
+                                                                const ModelInference&) const {
+  return std::nullopt;
+}
+
 uint16_t LidarMaker::first_azimuth(std::span<const uint8_t>) const { return 0; }
 
 std::optional<FoundPacket> LidarMaker::find_packet(std::span<const uint8_t>) const {

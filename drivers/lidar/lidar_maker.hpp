@@ -47,6 +47,12 @@ struct FoundPacket {
   bool certain = false;  ///< false: a message must state its length before it
 };
 
+/// A model that a unit's calibration states.
+struct StatedModel {
+  const LidarModel* model = nullptr;
+  std::filesystem::path calibration;  ///< the file, or what else names it
+};
+
 /// A maker of lidars: what its packets are. Stateless; one object for each maker, in the list of
 /// `drivers/makers`, by which alone the program knows it.
 class LidarMaker {
@@ -77,6 +83,14 @@ class LidarMaker {
 
   /// What the maker calls such a file.
   virtual const char* calibration_file() const { return "calibration file"; }
+
+  /// For makers whose packets state no model, but whose units' calibration does: the calibration of
+  /// the sensor that sent these packets of a capture, as `stated` names it; if that is empty, the
+  /// one stored beside the capture. Nothing: the packets state the model. Errors: there is none, or
+  /// it cannot be read.
+  virtual Result<std::optional<StatedModel>> find_calibration(const std::filesystem::path& capture,
+                                                              const std::filesystem::path& stated,
+                                                              const ModelInference& packets) const;
 
   /// Ports as they come from the factory.
   virtual LidarPorts ports() const { return {}; }

@@ -35,11 +35,12 @@ void add_steps(const FiringPlan& plan, int64_t period_ns, RotationRate& rotation
 }  // namespace
 
 SweepAssembler::SweepAssembler(const DecoderOptions& options, const ClockModelOptions& clock,
-                               const SequenceTiming& timing, PacketCounters& counters,
-                               Losses& losses)
+                               const SequenceTiming& timing, ReturnReader& reader,
+                               PacketCounters& counters, Losses& losses)
     : beams_(options.model->beams),
       max_span_(options.max_span),
       timing_(timing),
+      reader_(reader),
       counters_(counters),
       losses_(losses),
       clock_(clock),
@@ -94,13 +95,13 @@ void SweepAssembler::stamp_packet(const ArrivalOrder::Verdict& verdict, Stamp ho
   newest_device_ns_ = packet.device_ns;
 }
 
-bool SweepAssembler::pull(Sweep& sweep, ReturnReader& reader) {
+bool SweepAssembler::pull(Sweep& sweep) {
   while (true) {
     if (!decoding_) {
       if (!has_held_ || (!has_following_ && !finished_)) break;
       begin_decoding(has_following_ ? following_ : nullptr);
     }
-    if (decode(sweep, reader)) return true;
+    if (decode(sweep)) return true;
     decoding_ = false;
     has_held_ = has_following_;
     has_following_ = false;
@@ -196,7 +197,7 @@ void SweepAssembler::detect_gap(PlannedSequence& first) {
 }
 
 /// True when a sweep is complete; false when the held packet is.
-bool SweepAssembler::decode(Sweep& sweep, ReturnReader& reader) {
+bool SweepAssembler::decode(Sweep& sweep) {
   const HeldPacket packet{held_->bytes, held_->header, held_->device_ns};
   while (next_sequence_ < plan_.count) {
     const size_t first = next_sequence_;
@@ -216,7 +217,7 @@ bool SweepAssembler::decode(Sweep& sweep, ReturnReader& reader) {
     }
     size_t last = first + 1;
     while (last < plan_.count && !cut_before_[last]) ++last;
-    reader.append(packet, plan_, first, last, writer_);
+    reader_.append(packet, plan_, first, last, writer_);
     next_sequence_ = last;
   }
   return false;

@@ -9,6 +9,7 @@
 #include "drivers/lidar/decoder_options.hpp"
 #include "drivers/lidar/firing_plan.hpp"
 #include "drivers/lidar/losses.hpp"
+#include "drivers/lidar/packet_assembler.hpp"
 #include "drivers/lidar/packet_counters.hpp"
 #include "drivers/lidar/packet_header.hpp"
 #include "drivers/lidar/sweep_cutter.hpp"
@@ -41,42 +42,27 @@ class ReturnReader {
 ///
 /// A sweep runs from the cut azimuth to the cut azimuth, by the azimuth of sequences; if the sensor
 /// scans a part of the turn only, from the beginning of that part to its end.
-class SweepAssembler {
+class SweepAssembler final : public PacketAssembler {
  public:
-  /// The options must be valid. Counts into `counters` and `losses`, which must outlive this
-  /// object.
+  /// The options must be valid. Counts into `counters` and `losses`, and reads returns with
+  /// `reader`, which must outlive this object.
   SweepAssembler(const DecoderOptions& options, const ClockModelOptions& clock,
-                 const SequenceTiming& timing, PacketCounters& counters, Losses& losses);
+                 const SequenceTiming& timing, ReturnReader& reader, PacketCounters& counters,
+                 Losses& losses);
 
-  /// Changes the timing of sequences.
-  void set_timing(const SequenceTiming& timing) { timing_ = timing; }
-
-  /// Adds a valid data packet. Returns its place among the others if it is used; otherwise it is
-  /// counted with the reason. `pull` must have returned false since the last push.
-  std::optional<ArrivalOrder::Verdict> push(const Datagram& datagram, const PacketHeader& header);
-
-  /// Counts a packet that has arrived, but was refused: it is not lost.
-  void note_refused() {
+  void set_timing(const SequenceTiming& timing) override { timing_ = timing; }
+  std::optional<ArrivalOrder::Verdict> push(const Datagram& datagram,
+                                            const PacketHeader& header) override;
+  void note_refused() override {
     require_pulled();
     ++refused_;
   }
-
-  /// Throws std::logic_error if a packet waits for `pull`.
-  void require_pulled() const;
-
-  /// Decodes into `sweep`. True: the sweep is complete, call again with an empty one. False: all
-  /// available data is decoded; pass the same sweep again after the next push.
-  bool pull(Sweep& sweep, ReturnReader& reader);
-
-  /// Ends the stream: `pull` until false returns the remaining data.
-  void finish() { finished_ = true; }
-
-  /// Continues the stream after `finish`.
-  void resume() { finished_ = false; }
-
-  /// The device's clock.
-  ClockModel& clock() { return clock_; }
-  const ClockModel& clock() const { return clock_; }
+  void require_pulled() const override;
+  bool pull(Sweep& sweep) override;
+  void finish() override { finished_ = true; }
+  void resume() override { finished_ = false; }
+  ClockModel& clock() override { return clock_; }
+  const ClockModel& clock() const override { return clock_; }
 
  private:
   /// A received packet.
@@ -103,12 +89,13 @@ class SweepAssembler {
   void plan_cuts();
   int64_t count_missing(int64_t gap_ns, int64_t pause_ns) const;
   void detect_gap(PlannedSequence& first);
-  bool decode(Sweep& sweep, ReturnReader& reader);
+  bool decode(Sweep& sweep);
   void close();
 
   uint16_t beams_;
   Duration max_span_;
   SequenceTiming timing_;
+  ReturnReader& reader_;
   PacketCounters& counters_;
   Losses& losses_;
   ClockModel clock_;

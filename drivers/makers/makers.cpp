@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "drivers/hesai/hesai_maker.hpp"
+#include "drivers/ouster/ouster_maker.hpp"
 #include "drivers/velodyne/velodyne_maker.hpp"
 
 namespace infuse::makers {
@@ -11,7 +12,8 @@ namespace {
 /// The list. Where packets of two makers are alike, the one whose `classify` looks at more comes
 /// first.
 std::vector<const lidar::LidarMaker*>& list() {
-  static std::vector<const lidar::LidarMaker*> makers{&hesai::maker(), &velodyne::maker()};
+  static std::vector<const lidar::LidarMaker*> makers{&hesai::maker(), &ouster::maker(),
+                                                      &velodyne::maker()};
   return makers;
 }
 

@@ -26,6 +26,8 @@
 #include "tests/drivers/hesai/made_turns.hpp"
 #include "tests/drivers/import/mat_bytes.hpp"
 #include "tests/drivers/lcm/lcm_bytes.hpp"
+#include "tests/drivers/ouster/made_metadata.hpp"
+#include "tests/drivers/ouster/made_packet.hpp"
 #include "tests/drivers/recording/compress.hpp"
 #include "tests/drivers/rosbag/bag_bytes.hpp"
 #include "tests/drivers/velodyne/mutation_families.hpp"
@@ -303,6 +305,34 @@ void write_map_files(const std::filesystem::path& folder) {
   for (const auto& [name, bytes] : files) write_seed(folder / name, number++ + bytes);
 }
 
+/// As ouster_packet_fuzz reads it: profile and shape, then packets of 16 beams.
+void write_ouster(const std::filesystem::path& folder) {
+  for (size_t profile = 0; profile < ouster::kProfiles.size(); ++profile) {
+    for (const bool nested : {false, true}) {
+      ouster::MadeMetadata values;
+      values.nested = nested;
+      values.beams = 16;
+      values.profile = ouster::kProfiles[profile].name;
+      values.columns = "512";
+      values.window = "[0, 511]";
+      const std::string text = ouster::made_metadata(values);
+      const std::string name = values.profile + (nested ? "_nested" : "_flat");
+      write_seed(folder / "ouster_metadata_fuzz" / name, text);
+      std::vector<uint8_t> bytes = {static_cast<uint8_t>(profile),
+                                    static_cast<uint8_t>(nested ? 0b1001 : 0b0101)};
+      const auto metadata = ouster::parse_metadata(text, name).value();
+      for (const uint16_t first : std::array<uint16_t, 4>{480, 496, 0, 16}) {
+        const auto packet = ouster::made_packet(
+            metadata, {.frame_id = first > 100 ? 7u : 8u,
+                       .first_measurement_id = first,
+                       .device_ns = 1'000'000'000 + (first > 100 ? first : first + 512) * 195'312});
+        bytes.insert(bytes.end(), packet.begin(), packet.end());
+      }
+      write_seed(folder / "ouster_packet_fuzz" / name, bytes);
+    }
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -313,6 +343,7 @@ int main(int argc, char** argv) {
   const std::filesystem::path folder = argv[1];
   write_data_packets(folder / "velodyne_packet_fuzz");
   write_hesai_packets(folder / "hesai_packet_fuzz");
+  write_ouster(folder);
   write_captures(folder / "pcap_fuzz");
   const std::string sentence = fixtures::rmc_sentence(
       {.utc_ns = 1'700'000'000'000'000'000, .latitude = 0.8, .longitude = -2.1});

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include "drivers/lidar/lidar_decoder.hpp"
+#include "drivers/ouster/metadata.hpp"
+#include "drivers/ouster/packet.hpp"
+
+namespace infuse::ouster {
+
+/// A unit's calibration: its metadata.
+class UnitCalibration final : public lidar::UnitCalibration {
+ public:
+  explicit UnitCalibration(Metadata unit) : metadata(std::move(unit)) {}
+  const Metadata metadata;
+};
+
+/// Decodes the packets of one Ouster: lidar packets to sweeps, inertial packets to samples in the
+/// lidar frame.
+class Decoder final : public lidar::LidarDecoder {
+ public:
+  /// The options must be valid, with a calibration of this maker.
+  explicit Decoder(const lidar::DecoderOptions& options);
+
+ private:
+  const char* parse(std::span<const uint8_t> payload, lidar::PacketHeader& header) const override;
+  const char* read_inertial(const Datagram& datagram) override;
+
+  std::shared_ptr<const lidar::UnitCalibration> calibration_;
+  const Metadata& metadata_;  ///< of the calibration
+  PacketLayout layout_;
+};
+
+}  // namespace infuse::ouster
