@@ -2,7 +2,7 @@
 
 namespace infuse::daemon {
 
-VehicleIntake::VehicleIntake(const VehicleSetup& setup) {
+VehicleIntake::VehicleIntake(const VehicleSetup& setup) : has_imu_(setup.imu.has_value()) {
   for (const BusSetup& bus : setup.buses) buses_.push_back({bus.decoder, {}});
 }
 

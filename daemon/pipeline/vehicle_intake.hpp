@@ -69,6 +69,7 @@ class VehicleIntake {
   std::optional<vehicle::CanFrame> read(std::string_view line);
   static void count(StreamCounters& counters, Stamp stamp);
 
+  bool has_imu_;  // of its own
   vehicle::CandumpReader reader_{"can.log"};
   std::vector<Bus> buses_;
   StreamCounters speed_, imu_, gnss_;
