@@ -30,7 +30,7 @@ std::vector<GyroReadings> readings_of(velodyne::Model model) {
   const auto packet = fixtures::encode_position_packet(fields);
   intake.add_datagram(
       {Stamp::from_ns(5), 7, 8308, 8308, packet}, [](Sweep&) {}, [](const GnssFix&) {},
-      [&](const GyroReadings& readings) { out.push_back(readings); });
+      [&](const GyroReadings& readings) { out.push_back(readings); }, [](const ImuSample&) {});
   return out;
 }
 
