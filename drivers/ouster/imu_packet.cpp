@@ -51,6 +51,8 @@ std::optional<ImuPacket> parse_imu_packet(std::span<const uint8_t> payload) {
 bool is_imu_packet(std::span<const uint8_t> payload) {
   const auto packet = parse_imu_packet(payload);
   if (!packet || packet->gyro_ns == 0) return false;
+  // No clock counts beyond 292 years.
+  if (lidar::read_u64(payload.data() + 16) > uint64_t{INT64_MAX}) return false;
   const auto within = [](const std::array<float, 3>& values, float limit) {
     return std::ranges::all_of(values, [limit](float value) { return std::abs(value) <= limit; });
   };
