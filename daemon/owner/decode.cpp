@@ -177,7 +177,8 @@ int run(const DecodeArguments& arguments) {
               << "\n";
   } else {
     std::cout << fmt::format("{} sweeps of {}, {} returns, to {}\n", writer.files(),
-                             setup->lidars[*lidar].device.model, writer.returns(), arguments.output);
+                             setup->lidars[*lidar].device.model, writer.returns(),
+                             arguments.output);
   }
   return kDone;
 }

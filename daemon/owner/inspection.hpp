@@ -7,8 +7,8 @@
 
 #include "daemon/command_line/progress_line.hpp"
 #include "daemon/command_line/summary.hpp"
-#include "daemon/setup/drive_setup.hpp"
 #include "daemon/protocol/json.hpp"
+#include "daemon/setup/drive_setup.hpp"
 #include "drivers/makers/arrivals.hpp"
 #include "drivers/makers/capture_survey.hpp"
 #include "drivers/measurement/error.hpp"

@@ -2,9 +2,9 @@
 
 #include <variant>
 
-#include "daemon/setup/drive_setup.hpp"
 #include "daemon/pipeline/lidar_intake.hpp"
 #include "daemon/pipeline/vehicle_intake.hpp"
+#include "daemon/setup/drive_setup.hpp"
 
 namespace infuse::daemon {
 

@@ -5,8 +5,8 @@
 #include <fstream>
 #include <iterator>
 
-#include "daemon/setup/drive_setup.hpp"
 #include "daemon/pipeline/lidar_intake.hpp"
+#include "daemon/setup/drive_setup.hpp"
 #include "daemon/streetmap/street_plan_from_osm.hpp"
 #include "drivers/camera/image_decoder.hpp"
 #include "drivers/recording/drive.hpp"

@@ -198,8 +198,7 @@ Json channels_json(const importers::LcmImportSummary& imported) {
 }
 
 void print_channel(const importers::LcmChannel& channel) {
-  std::string text =
-      channel.use.empty() ? "not taken: no packets of a lidar" : channel.use;
+  std::string text = channel.use.empty() ? "not taken: no packets of a lidar" : channel.use;
   if (channel.use.empty() && channel.has_positions) text = "not taken";
   const std::string lag = lag_text(channel.lag);
   if (!channel.use.empty()) text += "; " + (lag.empty() ? "stamps are the log times" : lag);

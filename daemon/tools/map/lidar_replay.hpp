@@ -2,8 +2,8 @@
 
 #include <deque>
 
-#include "daemon/setup/drive_setup.hpp"
 #include "daemon/pipeline/lidar_motion.hpp"
+#include "daemon/setup/drive_setup.hpp"
 #include "fusion/mapping/keyframes.hpp"
 
 namespace infuse::daemon {

@@ -6,9 +6,9 @@
 #include <boost/asio/post.hpp>
 #include <chrono>
 
+#include "daemon/setup/drive_setup.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
 #include "tests/daemon/drive/calibration_drive.hpp"
-#include "daemon/setup/drive_setup.hpp"
 
 namespace infuse::daemon {
 namespace {

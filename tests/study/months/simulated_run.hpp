@@ -5,9 +5,9 @@
 #include <string>
 
 #include "daemon/history/history_writer.hpp"
+#include "daemon/sensors/recording_controller.hpp"
 #include "daemon/service/daemon_host.hpp"
 #include "daemon/service/service_lifecycle.hpp"
-#include "daemon/sensors/recording_controller.hpp"
 #include "daemon/setup/live_setup.hpp"
 
 namespace infuse::study {
