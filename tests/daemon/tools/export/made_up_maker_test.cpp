@@ -15,7 +15,8 @@ namespace infuse::daemon {
 namespace {
 
 constexpr Stamp kFirstPacket = Stamp::from_ns(1'700'000'000'000'000'000);
-constexpr uint32_t kPackets = 5 * 125;  // five turns
+constexpr uint32_t kPackets = 5 * 125;  // five turns from azimuth 0, cut at 180 degrees
+constexpr uint64_t kSweeps = 6;         // the first and the last are half turns
 
 /// Writes a capture of the made-up sensor, with datagrams of nobody among its own.
 void write_capture(const std::filesystem::path& path) {
@@ -45,7 +46,7 @@ TEST(MadeUpMaker, ReplaysInspectsAndExports) {
   EXPECT_THAT(replayed->sensors[0].device.model_reason,
               testing::HasSubstr("10.00 turns per second"));
   EXPECT_EQ(replayed->totals.counters.lidars[0].packets, kPackets);
-  EXPECT_EQ(replayed->totals.counters.lidars[0].sweeps, 5U);
+  EXPECT_EQ(replayed->totals.counters.lidars[0].sweeps, kSweeps);
   EXPECT_EQ(replayed->totals.counters.lidars[0].returns, uint64_t{kPackets} * 32);
   EXPECT_THAT(replayed->reports, testing::HasSubstr(R"("source":"utc")"));
 
@@ -58,7 +59,7 @@ TEST(MadeUpMaker, ReplaysInspectsAndExports) {
 
   const auto exported = export_mcap(folder / "a.pcap", folder / "a.mcap", {});
   ASSERT_TRUE(exported) << exported.error().message();
-  EXPECT_EQ(exported->messages.at("/lidar/lidar/points_raw"), 5U);
+  EXPECT_EQ(exported->messages.at("/lidar/lidar/points_raw"), kSweeps);
 }
 
 }  // namespace
