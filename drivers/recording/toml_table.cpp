@@ -6,10 +6,44 @@
 #include "drivers/recording/rigid_matrix.hpp"
 
 namespace infuse::recording {
+namespace {
+
+/// Maximum number of parts of a dotted key: far above any real one, far below the stack's size.
+constexpr size_t kMaxKeyParts = 256;
+
+/// The first line with a key of more than `kMaxKeyParts` parts; 0: there is none. A dotted key
+/// makes a table for each part, and toml++ destroys nested tables by recursion: 100 000 of them
+/// overflow the stack. Strings count like keys, so that none can hide one.
+size_t find_deep_key(std::string_view text) {
+  size_t line = 1;
+  size_t dots = 0;
+  bool comment = false;
+  bool blank = true;  // so far, the line
+  for (const char c : text) {
+    if (c == '\n') {
+      ++line;
+      dots = 0;
+      comment = false;
+      blank = true;
+      continue;
+    }
+    comment |= blank && c == '#';
+    blank &= c == ' ' || c == '\t';
+    if (std::string_view("=,{}[]").find(c) != std::string_view::npos) dots = 0;
+    if (c == '.' && !comment && ++dots >= kMaxKeyParts) return line;
+  }
+  return 0;
+}
+
+}  // namespace
 
 Result<toml::table> parse_toml(std::string_view text, const std::string& file) {
   if (text.size() > kMaxTomlBytes)
     return fail("is longer than " + std::to_string(kMaxTomlBytes) + " bytes", file);
+  if (const size_t line = find_deep_key(text); line != 0) {
+    return fail("a key has more than " + std::to_string(kMaxKeyParts) + " parts",
+                file + ":" + std::to_string(line));
+  }
   toml::parse_result parsed = toml::parse(text);
   if (!parsed) {
     std::string where = file;
