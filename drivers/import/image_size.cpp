@@ -4,13 +4,13 @@
 #include <fstream>
 #include <span>
 
-#include "drivers/recording/big_endian.hpp"
+#include "drivers/measurement/big_endian.hpp"
 
 namespace infuse::importers {
 namespace {
 
-using recording::read_u16;
-using recording::read_u32;
+using big_endian::read_u16;
+using big_endian::read_u32;
 
 constexpr int kMaxSegments = 1000;  // maximum before the first frame of a JPEG file
 

@@ -2,10 +2,13 @@
 
 #include <pcap/dlt.h>
 
-#include "drivers/recording/big_endian.hpp"
+#include "drivers/measurement/big_endian.hpp"
 
 namespace infuse::recording {
 namespace {
+
+using big_endian::read_u16;
+using big_endian::read_u32;
 
 constexpr uint16_t kEtherTypeIpv4 = 0x0800;
 constexpr uint16_t kEtherTypeIpv6 = 0x86DD;

@@ -1,10 +1,13 @@
 #include "drivers/recording/udp_decoder.hpp"
 
-#include "drivers/recording/big_endian.hpp"
+#include "drivers/measurement/big_endian.hpp"
 #include "drivers/recording/link_layer.hpp"
 
 namespace infuse::recording {
 namespace {
+
+using big_endian::read_u16;
+using big_endian::read_u32;
 
 constexpr size_t kIpv4HeaderBytes = 20;
 constexpr size_t kUdpHeaderBytes = 8;
