@@ -4,6 +4,7 @@
 
 #include "drivers/hesai/hesai_maker.hpp"
 #include "drivers/ouster/ouster_maker.hpp"
+#include "drivers/robosense/robosense_maker.hpp"
 #include "drivers/velodyne/velodyne_maker.hpp"
 
 namespace infuse::makers {
@@ -13,7 +14,7 @@ namespace {
 /// first.
 std::vector<const lidar::LidarMaker*>& list() {
   static std::vector<const lidar::LidarMaker*> makers{&hesai::maker(), &ouster::maker(),
-                                                      &velodyne::maker()};
+                                                      &robosense::maker(), &velodyne::maker()};
   return makers;
 }
 

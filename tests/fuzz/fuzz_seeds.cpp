@@ -29,6 +29,7 @@
 #include "tests/drivers/ouster/made_metadata.hpp"
 #include "tests/drivers/ouster/made_packet.hpp"
 #include "tests/drivers/recording/compress.hpp"
+#include "tests/drivers/robosense/made_packet.hpp"
 #include "tests/drivers/rosbag/bag_bytes.hpp"
 #include "tests/drivers/velodyne/mutation_families.hpp"
 #include "tests/fuzz/text_seeds.hpp"
@@ -61,6 +62,23 @@ void write_hesai_packets(const std::filesystem::path& folder) {
       }
       write_seed(folder / (std::string(info.name) + "_" + std::to_string(static_cast<int>(mode))),
                  bytes);
+    }
+  }
+}
+
+/// As robosense_packet_fuzz reads it: the model, then data packets around an information packet.
+void write_robosense_packets(const std::filesystem::path& folder) {
+  for (const int lasers : {32, 16}) {
+    for (const bool dual : {false, true}) {
+      const auto packets = robosense::make_turns(lasers, dual, 0.05);
+      const std::vector<int> elevations{1494, 1303, 1092}, azimuths{-405, 361, -400};
+      const auto info = robosense::make_info_packet(elevations, azimuths, dual ? 0 : 4);
+      std::vector<uint8_t> bytes = {static_cast<uint8_t>(lasers == 32 ? 0 : 1)};
+      for (size_t i = 0; i < std::min(packets.size(), kPacketsEach); ++i) {
+        bytes.insert(bytes.end(), packets[i].payload.begin(), packets[i].payload.end());
+        if (i == 1) bytes.insert(bytes.end(), info.begin(), info.end());
+      }
+      write_seed(folder / (std::to_string(lasers) + (dual ? "_dual" : "_single")), bytes);
     }
   }
 }
@@ -343,6 +361,7 @@ int main(int argc, char** argv) {
   const std::filesystem::path folder = argv[1];
   write_data_packets(folder / "velodyne_packet_fuzz");
   write_hesai_packets(folder / "hesai_packet_fuzz");
+  write_robosense_packets(folder / "robosense_packet_fuzz");
   write_ouster(folder);
   write_captures(folder / "pcap_fuzz");
   const std::string sentence = fixtures::rmc_sentence(

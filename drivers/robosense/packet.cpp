@@ -1,0 +1,99 @@
+#include "drivers/robosense/packet.hpp"
+
+#include <algorithm>
+
+#include "drivers/lidar/azimuth.hpp"
+#include "drivers/measurement/big_endian.hpp"
+
+namespace infuse::robosense {
+namespace {
+
+constexpr std::array<uint8_t, 4> kDataMark{0x55, 0xAA, 0x05, 0x5A};
+constexpr uint16_t kBlockFlag = 0xFFEE;
+constexpr size_t kNumberOffset = 12;  // of the bottom board's counter; the top board's counts by 24
+constexpr size_t kResolutionOffset = 17;
+constexpr size_t kTimeOffset = 20;
+
+/// Six bytes of seconds, four of microseconds. Nothing: impossible.
+std::optional<int64_t> read_time(std::span<const uint8_t> payload) {
+  constexpr int64_t kMaxSeconds = 4'000'000'000;
+  constexpr uint32_t kMicrosecondsPerSecond = 1'000'000;
+  const int64_t seconds = int64_t{big_endian::read_u16(payload, kTimeOffset)} << 32 |
+                          big_endian::read_u32(payload, kTimeOffset + 2);
+  const uint32_t microseconds = big_endian::read_u32(payload, kTimeOffset + 6);
+  if (seconds > kMaxSeconds || microseconds >= kMicrosecondsPerSecond) return std::nullopt;
+  return (seconds * kMicrosecondsPerSecond + microseconds) * 1000;
+}
+
+/// Reads the blocks' azimuths and what they show; a fault if most cannot be, or a flag is missing.
+std::optional<PacketFault> read_azimuths(std::span<const uint8_t> payload, Packet& packet) {
+  size_t impossible = 0;
+  for (size_t block = 0; block < kBlocks; ++block) {
+    const size_t at = kHeaderSize + block * kBlockSize;
+    if (big_endian::read_u16(payload, at) != kBlockFlag) return PacketFault::kFlag;
+    const uint16_t azimuth = big_endian::read_u16(payload, at + 2);
+    const bool possible = azimuth <= lidar::kCentidegreesPerTurn;
+    packet.azimuth[block] = possible ? azimuth % lidar::kCentidegreesPerTurn : lidar::kNoAzimuth;
+    impossible += possible ? 0 : 1;
+  }
+  if (2 * impossible >= kBlocks) return PacketFault::kAzimuth;
+  packet.stands =
+      std::ranges::all_of(packet.azimuth, [&](uint16_t each) { return each == packet.azimuth[0]; });
+  packet.repeats_azimuths = !packet.stands;
+  for (size_t block = 0; block < kBlocks; block += 2) {
+    packet.repeats_azimuths &= packet.azimuth[block] == packet.azimuth[block + 1];
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+const char* describe(PacketFault fault) {
+  switch (fault) {
+    case PacketFault::kSize:
+      return "not 1248 bytes";
+    case PacketFault::kHeader:
+      return "does not begin as a Helios' data packets do";
+    case PacketFault::kFlag:
+      return "a block does not begin with its flag";
+    case PacketFault::kAzimuth:
+      return "most azimuths are above 360 degrees";
+    case PacketFault::kTime:
+      return "an impossible device time";
+  }
+  return "";
+}
+
+bool is_data_packet(std::span<const uint8_t> payload) {
+  return payload.size() == kPacketSize &&
+         std::equal(kDataMark.begin(), kDataMark.end(), payload.begin());
+}
+
+tl::expected<Packet, PacketFault> parse_packet(std::span<const uint8_t> payload) {
+  if (payload.size() != kPacketSize) return tl::unexpected(PacketFault::kSize);
+  if (!is_data_packet(payload)) return tl::unexpected(PacketFault::kHeader);
+  Packet packet;
+  if (const auto fault = read_azimuths(payload, packet)) return tl::unexpected(*fault);
+  const auto time = read_time(payload);
+  if (!time) return tl::unexpected(PacketFault::kTime);
+  packet.time_ns = *time;
+  packet.number = big_endian::read_u32(payload, kNumberOffset);
+  packet.distance_unit = payload[kResolutionOffset] == 0 ? 0.005F : 0.0025F;
+  return packet;
+}
+
+std::array<ReturnKind, 2> return_kinds(ReturnMode mode) {
+  switch (mode) {
+    case ReturnMode::kDual:
+      return {ReturnKind::kStrongest, ReturnKind::kSecondStrongest};
+    case ReturnMode::kStrongest:
+      return {ReturnKind::kStrongest};
+    case ReturnMode::kLast:
+      return {ReturnKind::kLast};
+    case ReturnMode::kFirst:
+      return {ReturnKind::kFirst};
+  }
+  return {};
+}
+
+}  // namespace infuse::robosense
