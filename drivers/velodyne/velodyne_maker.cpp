@@ -127,7 +127,7 @@ class Maker final : public lidar::LidarMaker {
                                .time_ns = times[i],
                                .elevation = beam.elevation,
                                .azimuth = -beam.rotation,
-                               .right_offset = beam.horizontal_offset,
+                               .right_offset = -beam.horizontal_offset,
                                .up_offset = beam.vertical_offset});
     }
     return pattern;

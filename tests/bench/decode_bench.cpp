@@ -75,7 +75,7 @@ void add(Input& input, Stamp stamp, std::vector<uint8_t> packet) {
 Input generate_packets(Model model, velodyne::ReturnMode mode) {
   const velodyne::ModelInfo& info = velodyne::model_info(model);
   const double period_s = to_seconds(velodyne::sequence_period(info, info.cycle));
-  fixtures::PacketEncoder encoder({.model = model, .mode = mode});
+  velodyne::PacketEncoder encoder({.model = model, .mode = mode});
   std::mt19937 random(1);
   std::uniform_real_distribution<double> uniform(0, 1);
   const auto echo = [&] {

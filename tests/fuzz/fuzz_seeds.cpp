@@ -20,6 +20,7 @@
 #include "drivers/ros/serialisation.hpp"
 #include "drivers/ros/sweep_cloud.hpp"
 #include "drivers/text/text_file.hpp"
+#include "fixtures/lidar/nmea_sentence.hpp"
 #include "fixtures/velodyne/db_xml.hpp"
 #include "fixtures/velodyne/position_encoder.hpp"
 #include "fusion/streetmap/map_from_image.hpp"
@@ -367,10 +368,10 @@ int main(int argc, char** argv) {
   const std::string sentence = fixtures::rmc_sentence(
       {.utc_ns = 1'700'000'000'000'000'000, .latitude = 0.8, .longitude = -2.1});
   write_seed(folder / "velodyne_position_fuzz" / "rmc",
-             fixtures::encode_position_packet({.counter_us = 5, .sentence = sentence}));
+             velodyne::encode_position_packet({.counter_us = 5, .sentence = sentence}));
   for (const Model model : {Model::kHdl64eS2, Model::kHdl64eS3}) {
     write_seed(folder / "velodyne_db_xml_fuzz" / std::to_string(static_cast<int>(model)),
-               fixtures::write_db_xml(built_in_calibration(model)));
+               velodyne::write_db_xml(built_in_calibration(model)));
   }
   for (const fuzz::TextSeed& seed : fuzz::kTextSeeds) {
     write_seed(folder / seed.fuzzer / seed.name, std::string_view(seed.text));

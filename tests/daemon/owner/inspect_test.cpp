@@ -6,9 +6,10 @@
 #include <nlohmann/json.hpp>
 
 #include "drivers/velodyne/packet.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
+#include "fixtures/lidar/little_endian.hpp"
 #include "fixtures/scene/capture.hpp"
 #include "fixtures/velodyne/db_xml.hpp"
-#include "fixtures/velodyne/little_endian.hpp"
 #include "tests/daemon/run_program.hpp"
 #include "tests/folders.hpp"
 #include "tests/raw_capture.hpp"
@@ -35,7 +36,7 @@ class InspectTest : public testing::Test {
  protected:
   RawCapture make(Model model, double seconds, double rotation_hz = 10) {
     fixtures::CaptureOptions options;
-    options.model = model;
+    options.model = &velodyne::lidar_model(model);
     options.duration = from_seconds(seconds);
     options.rotation_hz = rotation_hz;
     EXPECT_TRUE(fixtures::make_capture(path_, options));
@@ -131,7 +132,7 @@ TEST_F(InspectTest, AnotherUnitsCalibrationIsAProblem) {
   EXPECT_THAT(decoded.output, HasSubstr("calibration of another unit"));
 
   std::ofstream(folder_ / "db.xml")
-      << fixtures::write_db_xml(velodyne::built_in_calibration(Model::kHdl64eS3));
+      << velodyne::write_db_xml(velodyne::built_in_calibration(Model::kHdl64eS3));
   EXPECT_EQ(inspect(capture, "--calibration " + (folder_ / "db.xml").string()).problems(), "[]");
 }
 

@@ -7,6 +7,7 @@
 
 #include "daemon/owner/report_truth.hpp"
 #include "drivers/text/text_file.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
 #include "fixtures/scene/capture.hpp"
 #include "tests/daemon/pipeline/run_replay.hpp"
 #include "tests/daemon/run_program.hpp"
@@ -24,7 +25,7 @@ ProgramResult report(const std::string& arguments) {
 TEST(ReportCommandTest, ACaptureIsReplayedAndItsPageHasTheSweep) {
   const TemporaryFolder folder;
   fixtures::CaptureOptions options;
-  options.model = velodyne::Model::kVlp16;
+  options.model = &velodyne::lidar_model(velodyne::Model::kVlp16);
   options.duration = from_seconds(1.5);
   const std::string capture = (folder / "drive.pcap").string();
   ASSERT_TRUE(fixtures::make_capture(capture, options));

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "drivers/velodyne/velodyne_maker.hpp"
 #include "fixtures/scene/capture.hpp"
 #include "tests/allocation_counter.hpp"
 #include "tests/daemon/pipeline/run_replay.hpp"
@@ -13,7 +14,7 @@ namespace {
 size_t count_allocations(velodyne::Model model, double seconds) {
   const TemporaryFolder folder;
   fixtures::CaptureOptions options;
-  options.model = model;
+  options.model = &velodyne::lidar_model(model);
   options.duration = from_seconds(seconds);
   options.loss = 0.01;
   EXPECT_TRUE(fixtures::make_capture(folder / "x.pcap", options));

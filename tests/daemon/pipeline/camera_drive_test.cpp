@@ -5,6 +5,7 @@
 #include <png.h>
 
 #include "drivers/recording/drive.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
 #include "fixtures/scene/capture.hpp"
 #include "tests/daemon/pipeline/run_replay.hpp"
 #include "tests/daemon/schema.hpp"
@@ -31,7 +32,7 @@ void write_image(const std::filesystem::path& path, uint8_t grey) {
 void make_drive(const std::filesystem::path& folder, int cameras) {
   std::filesystem::create_directories(folder);
   fixtures::CaptureOptions capture;
-  capture.model = velodyne::Model::kVlp16;
+  capture.model = &velodyne::lidar_model(velodyne::Model::kVlp16);
   capture.duration = from_seconds(3);
   ASSERT_TRUE(fixtures::make_capture(folder / "lidar.pcap", capture));
   recording::DriveDescription drive;

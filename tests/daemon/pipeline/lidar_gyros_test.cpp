@@ -23,11 +23,11 @@ std::vector<GyroReadings> readings_of(velodyne::Model model) {
   setup.decoder.model = &velodyne::lidar_model(model);
   LidarIntake intake(setup);
   std::vector<GyroReadings> out;
-  fixtures::PositionPacketFields fields;
+  velodyne::PositionPacketFields fields;
   fields.imu[0][0] = 1;
   fields.imu[1][0] = -2;
   fields.imu[2][0] = 2047;
-  const auto packet = fixtures::encode_position_packet(fields);
+  const auto packet = velodyne::encode_position_packet(fields);
   intake.add_datagram(
       {Stamp::from_ns(5), 7, 8308, 8308, packet}, [](Sweep&) {}, [](const GnssFix&) {},
       [&](const GyroReadings& readings) { out.push_back(readings); }, [](const ImuSample&) {});

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "drivers/velodyne/velodyne_maker.hpp"
+#include "fixtures/lidar/nmea_sentence.hpp"
 #include "fixtures/scene/capture.hpp"
 #include "fixtures/velodyne/position_encoder.hpp"
 #include "tests/daemon/pipeline/run_replay.hpp"
@@ -21,7 +22,7 @@ std::vector<GnssFix> fixes_of(const std::vector<std::string>& sentences, uint32_
   LidarIntake intake(setup);
   std::vector<GnssFix> fixes;
   for (size_t i = 0; i < sentences.size(); ++i) {
-    const auto packet = fixtures::encode_position_packet({.sentence = sentences[i]});
+    const auto packet = velodyne::encode_position_packet({.sentence = sentences[i]});
     intake.add_datagram(
         {Stamp::from_ns(static_cast<int64_t>(i)), sender, 8308, 8308, packet}, [](Sweep&) {},
         [&](const GnssFix& fix) { fixes.push_back(fix); });
@@ -54,7 +55,8 @@ TEST(PositionPackets, UnexpectedSendersGiveNoFix) {
 TEST(PositionPackets, ABareCaptureHasAGnssDevice) {
   const TemporaryFolder folder;
   const auto made = fixtures::make_capture(
-      folder / "street.pcap", {.model = velodyne::Model::kVlp16, .duration = from_seconds(3)});
+      folder / "street.pcap",
+      {.model = &velodyne::lidar_model(velodyne::Model::kVlp16), .duration = from_seconds(3)});
   ASSERT_TRUE(made);
   const auto result = run_replay(folder / "street.pcap");
   ASSERT_TRUE(result) << result.error().message();

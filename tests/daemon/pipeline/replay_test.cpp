@@ -8,6 +8,7 @@
 
 #include "drivers/recording/pcap_reader.hpp"
 #include "drivers/recording/pcap_writer.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
 #include "fixtures/scene/capture.hpp"
 #include "tests/daemon/pipeline/run_replay.hpp"
 #include "tests/daemon/schema.hpp"
@@ -25,7 +26,7 @@ class ReplayTest : public testing::Test {
   fixtures::CaptureTruth make(double seconds, double loss = 0,
                               velodyne::Model model = velodyne::Model::kVlp16) {
     fixtures::CaptureOptions options;
-    options.model = model;
+    options.model = &velodyne::lidar_model(model);
     options.duration = from_seconds(seconds);
     options.loss = loss;
     const auto truth = fixtures::make_capture(path_, options);

@@ -8,6 +8,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "drivers/velodyne/velodyne_maker.hpp"
 #include "fixtures/scene/capture.hpp"
 #include "tests/daemon/pipeline/run_replay.hpp"
 #include "tests/daemon/run_program.hpp"
@@ -29,7 +30,7 @@ class ProgramsTest : public testing::Test {
  protected:
   void make(double seconds, double loss = 0) {
     fixtures::CaptureOptions options;
-    options.model = velodyne::Model::kVlp16;
+    options.model = &velodyne::lidar_model(velodyne::Model::kVlp16);
     options.duration = from_seconds(seconds);
     options.loss = loss;
     const auto made = fixtures::make_capture(path_, options);

@@ -7,6 +7,7 @@
 #include "drivers/recording/drive.hpp"
 #include "drivers/recording/imu_csv.hpp"
 #include "drivers/recording/speed_csv.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
 #include "fixtures/scene/capture.hpp"
 #include "tests/daemon/run_program.hpp"
 #include "tests/folders.hpp"
@@ -27,8 +28,9 @@ std::vector<std::string> lines_of(const std::string& reports, const std::string&
 
 TEST(RecordedMessages, ADriveReplaysTheSameFromTheFileOfItsReplay) {
   const ScratchFolder folder;
-  ASSERT_TRUE(fixtures::make_capture(folder / "top.pcap", {.model = velodyne::Model::kVlp16,
-                                                           .duration = Duration{3'000'000'000}}));
+  ASSERT_TRUE(fixtures::make_capture(folder / "top.pcap",
+                                     {.model = &velodyne::lidar_model(velodyne::Model::kVlp16),
+                                      .duration = Duration{3'000'000'000}}));
   std::filesystem::create_directories(folder / "drive");
   std::filesystem::rename(folder / "top.pcap", folder / "drive/top.pcap");
   recording::DriveDescription drive;

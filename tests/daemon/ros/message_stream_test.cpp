@@ -25,8 +25,9 @@ namespace fs = std::filesystem;
 /// A drive of 2.2 s: packets of a lidar, a speed and an inertial unit.
 void make_drive(const fs::path& folder) {
   fs::create_directories(folder);
-  ASSERT_TRUE(fixtures::make_capture(folder / "top.pcap", {.model = velodyne::Model::kVlp16,
-                                                           .duration = Duration{2'200'000'000}}));
+  ASSERT_TRUE(fixtures::make_capture(folder / "top.pcap",
+                                     {.model = &velodyne::lidar_model(velodyne::Model::kVlp16),
+                                      .duration = Duration{2'200'000'000}}));
   recording::DriveDescription drive;
   LidarMount lidar{.name = "top", .model = "VLP-16"};
   lidar.T_vehicle_lidar.translation() = Eigen::Vector3d(0.5, 0, 1.8);

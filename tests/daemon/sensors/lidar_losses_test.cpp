@@ -19,7 +19,8 @@ LidarCounters counters_with_loss(uint64_t from, uint64_t to, uint64_t by_kernel,
   const auto path =
       std::filesystem::path(testing::TempDir()) / ("infuse-losses-" + std::to_string(getpid()));
   EXPECT_TRUE(fixtures::make_capture(
-      path, {.model = velodyne::Model::kVlp16, .duration = from_seconds(1)}));
+      path,
+      {.model = &velodyne::lidar_model(velodyne::Model::kVlp16), .duration = from_seconds(1)}));
   auto reader = recording::PcapReader::open(path);
   std::filesystem::remove(path);
   EXPECT_TRUE(reader.has_value());

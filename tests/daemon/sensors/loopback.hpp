@@ -13,6 +13,7 @@
 #include "drivers/host/file_descriptor.hpp"
 #include "drivers/recording/pcap_reader.hpp"
 #include "drivers/velodyne/packet.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
 #include "fixtures/scene/capture.hpp"
 
 namespace infuse::daemon {
@@ -37,8 +38,9 @@ inline Config loopback_config() {
 inline uint64_t send_capture(uint16_t port) {
   const auto path =
       std::filesystem::path(testing::TempDir()) / ("infuse-live-" + std::to_string(getpid()));
-  const auto made =
-      fixtures::make_capture(path, {.model = velodyne::Model::kVlp16, .duration = from_seconds(1)});
+  const auto made = fixtures::make_capture(
+      path,
+      {.model = &velodyne::lidar_model(velodyne::Model::kVlp16), .duration = from_seconds(1)});
   EXPECT_TRUE(made.has_value());
   auto reader = recording::PcapReader::open(path);
   EXPECT_TRUE(reader.has_value());

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "fixtures/velodyne/position_encoder.hpp"
+#include "fixtures/lidar/nmea_sentence.hpp"
 
 namespace infuse::gnss {
 namespace {

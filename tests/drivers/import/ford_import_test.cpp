@@ -13,6 +13,7 @@
 #include "drivers/recording/times_csv.hpp"
 #include "drivers/recording/trajectory_file.hpp"
 #include "drivers/text/text_file.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
 #include "fixtures/scene/capture.hpp"
 #include "tests/drivers/import/mat_bytes.hpp"
 #include "tests/drivers/lcm/lcm_bytes.hpp"
@@ -133,10 +134,10 @@ TEST(FordFiles, PnmHeadersAreBounded) {
 class FordImportTest : public testing::Test {
  protected:
   void SetUp() override {
-    ASSERT_TRUE(
-        fixtures::make_capture(folder_ / "in.pcap", {.model = velodyne::Model::kHdl64eS2,
-                                                     .duration = Duration{300'000'000},
-                                                     .start = Stamp::from_ns(kStartUs * 1000)}));
+    ASSERT_TRUE(fixtures::make_capture(folder_ / "in.pcap",
+                                       {.model = &velodyne::lidar_model(velodyne::Model::kHdl64eS2),
+                                        .duration = Duration{300'000'000},
+                                        .start = Stamp::from_ns(kStartUs * 1000)}));
     auto reader = recording::CaptureReader::open(folder_ / "in.pcap");
     ASSERT_TRUE(reader);
     std::string log;

@@ -6,6 +6,7 @@
 
 #include "drivers/velodyne/packet.hpp"
 #include "drivers/velodyne/position_packet.hpp"
+#include "fixtures/lidar/nmea_sentence.hpp"
 #include "fixtures/velodyne/position_encoder.hpp"
 
 namespace infuse::makers {
@@ -42,8 +43,8 @@ TEST(CaptureSurvey, SortsDatagramsBySenderPortAndKind) {
 
 TEST(CaptureSurvey, CountsPositionPacketsWithNmeaSentences) {
   const std::string sentence = fixtures::rmc_sentence({.utc_ns = 1'600'000'000'000'000'000});
-  const auto with = fixtures::encode_position_packet({.counter_us = 1, .sentence = sentence});
-  const auto without = fixtures::encode_position_packet({.counter_us = 2, .sentence = ""});
+  const auto with = velodyne::encode_position_packet({.counter_us = 1, .sentence = sentence});
+  const auto without = velodyne::encode_position_packet({.counter_us = 2, .sentence = ""});
   CaptureSurvey survey;
   for (const auto* packet : {&with, &without, &with}) {
     survey.add({at_ms(0), 1, 8308, 8308, *packet});

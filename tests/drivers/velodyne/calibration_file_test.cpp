@@ -36,7 +36,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 
 TEST(CalibrationFile, ReadsDbXmlInItsUnits) {
   // Laser 1 as in a file, in degrees and centimetres.
-  std::string text = fixtures::write_db_xml(built_in_calibration(Model::kHdl64eS2));
+  std::string text = write_db_xml(built_in_calibration(Model::kHdl64eS2));
   const size_t begin = text.find("<id_>1</id_>");
   const size_t end = text.find("</px>", begin);
   text.replace(begin, end - begin,
@@ -63,7 +63,7 @@ TEST(CalibrationFile, ReadsDbXmlInItsUnits) {
 
 TEST(CalibrationFile, AllLasersRoundTripThroughAFile) {
   const auto path = std::filesystem::path(testing::TempDir()) / "velodyne_db.xml";
-  std::ofstream(path) << fixtures::write_db_xml(built_in_calibration(Model::kHdl64eS3));
+  std::ofstream(path) << write_db_xml(built_in_calibration(Model::kHdl64eS3));
   const auto calibration = load_db_xml(path);
   ASSERT_TRUE(calibration) << calibration.error().message();
   expect_same(*calibration, built_in_calibration(Model::kHdl64eS3), 1e-12);
@@ -74,7 +74,7 @@ TEST(CalibrationFile, AllLasersRoundTripThroughAFile) {
 }
 
 TEST(CalibrationFile, ErrorsNameTheirCause) {
-  const std::string whole = fixtures::write_db_xml(built_in_calibration(Model::kHdl64eS2));
+  const std::string whole = write_db_xml(built_in_calibration(Model::kHdl64eS2));
   const auto error = [](const std::string& text) {
     const auto calibration = parse_db_xml(text);
     return calibration ? std::string("none") : calibration.error().message();

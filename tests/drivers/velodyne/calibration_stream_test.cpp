@@ -9,13 +9,11 @@
 namespace infuse::velodyne {
 namespace {
 
-using fixtures::StatusStream;
-
 /// The first calibration among `packets` packets, and the packet that completed it.
 std::optional<Calibration> collect(CalibrationStream& stream, StatusStream& sensor, size_t packets,
                                    size_t* completed = nullptr) {
   for (size_t i = 0; i < packets; ++i) {
-    const fixtures::StatusByte status = sensor.next();
+    const StatusByte status = sensor.next();
     if (auto calibration = stream.add(status.type, status.value)) {
       if (completed != nullptr) *completed = i;
       return calibration;
@@ -51,7 +49,7 @@ TEST_P(EachHdl64e, ReadsTheCalibrationFromAnyFirstPacket) {
     size_t completed = 0;
     const auto calibration = collect(stream, sensor, 2 * 4160 + 20, &completed);
     ASSERT_TRUE(calibration) << missed;
-    expect_equal(*calibration, fixtures::quantise_calibration(unit));
+    expect_equal(*calibration, quantise_calibration(unit));
     EXPECT_GE(completed, 4160U);
   }
 }
@@ -91,7 +89,7 @@ TEST(CalibrationStream, ChecksTheChecksumOfAnS3) {
 TEST(CalibrationStream, ChecksumMatchesThePublishedCheckValue) {
   uint16_t crc = 0;
   for (const char c : std::string("123456789")) {
-    crc = fixtures::crc16_8005(crc, static_cast<uint8_t>(c));
+    crc = crc16_8005(crc, static_cast<uint8_t>(c));
   }
   EXPECT_EQ(crc, 0xFEE8);
 }
@@ -115,7 +113,7 @@ TEST(CalibrationStream, AssemblerUsesTheCalibrationThatTheSensorSends) {
   options.turns_per_second = 20;
   options.turns = 32;  // 1.6 s
   options.start_azimuth = 0;
-  options.calibration = fixtures::quantise_calibration(built_in_calibration(Model::kHdl64eS2));
+  options.calibration = quantise_calibration(built_in_calibration(Model::kHdl64eS2));
   const Scene scene = make_scene(options);
   Decoder decoder({.model = &lidar_model(options.model)});
   EXPECT_EQ(decoder.calibration_source(), lidar::CalibrationSource::kBuiltIn);

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <stdexcept>
 
-#include "fixtures/velodyne/little_endian.hpp"
+#include "fixtures/lidar/little_endian.hpp"
 #include "tests/drivers/velodyne/assemble.hpp"
 #include "tests/drivers/velodyne/oracle.hpp"
 
@@ -253,7 +253,7 @@ TEST(Decoder, ASensorThatDoesNotTurnGivesSweepsOfBoundedLength) {
 // The rotation changes from 5 to 20 turns per second within two seconds.
 TEST(Decoder, AChangeOfRotationChangesOnlyTheSpans) {
   const ModelInfo& info = model_info(Model::kHdl32e);
-  fixtures::PacketEncoder encoder({.model = Model::kHdl32e});
+  PacketEncoder encoder({.model = Model::kHdl32e});
   const std::vector<fixtures::Echo> echoes(32, {10, 100});
   std::vector<SentPacket> packets;
   double azimuth = 0;
@@ -280,7 +280,7 @@ TEST(Decoder, AChangeOfRotationChangesOnlyTheSpans) {
 // A sensor configured to scan 100° … 300°. The jump may be anywhere inside packets.
 TEST(Decoder, APartialTurnIsOneSweepWithExactTimes) {
   const ModelInfo& info = model_info(Model::kVlp32c);
-  fixtures::PacketEncoder encoder({.model = Model::kVlp32c});
+  PacketEncoder encoder({.model = Model::kVlp32c});
   const std::vector<fixtures::Echo> echoes(32, {10, 100});
   std::vector<SentPacket> packets;
   std::vector<int64_t> firings_ns;  // of all sequences sent

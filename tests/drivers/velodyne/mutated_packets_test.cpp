@@ -8,6 +8,7 @@
 #include "drivers/velodyne/decoder.hpp"
 #include "drivers/velodyne/position_packet.hpp"
 #include "drivers/velodyne/velodyne_maker.hpp"
+#include "fixtures/lidar/nmea_sentence.hpp"
 #include "fixtures/velodyne/db_xml.hpp"
 #include "fixtures/velodyne/position_encoder.hpp"
 #include "tests/drivers/velodyne/oracle.hpp"
@@ -105,7 +106,7 @@ TEST(MutatedPackets, PositionPacketsAreReadOrRefused) {
   Mutator mutator(2);
   const std::string sentence = fixtures::rmc_sentence(
       {.utc_ns = 1'700'000'000'000'000'000, .latitude = 0.8, .longitude = -2.1});
-  const auto whole = fixtures::encode_position_packet({.counter_us = 5, .sentence = sentence});
+  const auto whole = encode_position_packet({.counter_us = 5, .sentence = sentence});
   size_t read = 0;
   size_t with_sentence = 0;
   for (int i = 0; i < 10'000; ++i) {
@@ -126,7 +127,7 @@ TEST(MutatedPackets, PositionPacketsAreReadOrRefused) {
 
 TEST(MutatedPackets, CalibrationFilesAreReadOrRefusedWithAReason) {
   Mutator mutator(3);
-  const std::string whole = fixtures::write_db_xml(built_in_calibration(Model::kHdl64eS2));
+  const std::string whole = write_db_xml(built_in_calibration(Model::kHdl64eS2));
   size_t refused = 0;
   for (int i = 0; i < 150; ++i) {
     std::string text = whole;

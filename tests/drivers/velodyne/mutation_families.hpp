@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "fixtures/velodyne/little_endian.hpp"
+#include "fixtures/lidar/little_endian.hpp"
 #include "tests/drivers/velodyne/oracle.hpp"
 
 namespace infuse::velodyne {

@@ -133,8 +133,7 @@ inline Scene make_scene(const SceneOptions& options) {
   };
 
   Scene scene;
-  fixtures::PacketEncoder encoder(
-      {.model = options.model, .mode = options.mode, .calibration = calibration});
+  PacketEncoder encoder({.model = options.model, .mode = options.mode, .calibration = calibration});
   const auto per_packet = info.sequences_per_packet(dual);
   const auto count =
       static_cast<size_t>(options.turns / options.turns_per_second * 1e6 / period_us);

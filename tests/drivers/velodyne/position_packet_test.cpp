@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "fixtures/lidar/nmea_sentence.hpp"
 #include "fixtures/velodyne/position_encoder.hpp"
 
 namespace infuse::velodyne {
@@ -13,8 +14,8 @@ namespace {
 TEST(PositionPacket, ParsesCounterPpsAndSentence) {
   const std::string sentence = fixtures::gga_sentence({.talker = "GN", .latitude = 0.5});
   for (uint8_t pps = 0; pps < 4; ++pps) {
-    const auto bytes = fixtures::encode_position_packet(
-        {.counter_us = 0xD693A401, .pps = pps, .sentence = sentence});
+    const auto bytes =
+        encode_position_packet({.counter_us = 0xD693A401, .pps = pps, .sentence = sentence});
     const auto packet = parse_position_packet(bytes);
     ASSERT_TRUE(packet);
     EXPECT_EQ(packet->counter_us, 0xD693A401U);
@@ -25,7 +26,7 @@ TEST(PositionPacket, ParsesCounterPpsAndSentence) {
 }
 
 TEST(PositionPacket, ReadsInertialValuesAsSigned12Bits) {
-  const auto bytes = fixtures::encode_position_packet(
+  const auto bytes = encode_position_packet(
       {.sentence = "", .imu = {{{-2048, 0, 2047, -1}, {100, -100, 819, 0}, {0, 0, 0, 0}}}});
   const auto packet = parse_position_packet(bytes);
   ASSERT_TRUE(packet);
@@ -40,7 +41,7 @@ TEST(PositionPacket, ReadsInertialValuesAsSigned12Bits) {
 }
 
 TEST(PositionPacket, RefusesOtherBytes) {
-  auto bytes = fixtures::encode_position_packet({.sentence = ""});
+  auto bytes = encode_position_packet({.sentence = ""});
   EXPECT_FALSE(parse_position_packet(std::span(bytes).first(511)));
   EXPECT_FALSE(parse_position_packet({}));
   bytes[0xCA] = 4;

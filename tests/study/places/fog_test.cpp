@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "drivers/velodyne/velodyne_maker.hpp"
 #include "fixtures/simulator/simulation.hpp"
 #include "fusion/features/air_returns.hpp"
 
@@ -29,7 +30,7 @@ Left leave_out(velodyne::Model model, double rate, const simulator::AirOptions& 
   s.motion.start_speed = 8;
   s.air = air;
   simulator::LidarOptions lidar;
-  lidar.model = model;
+  lidar.model = &velodyne::lidar_model(model);
   lidar.rate = rate;
   lidar.rays_per_pulse = 1;
   lidar.T_vehicle_lidar.translation() = Eigen::Vector3d(0.8, 0, 1.9);

@@ -1,4 +1,5 @@
 #include "tests/study/places/season_drive.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -96,7 +97,7 @@ Result<SeasonDrive> render_visit(const std::string& map, uint64_t world_seed, co
   s.motion.speed = s.motion.start_speed = 8;
   s.duration = 200;
   simulator::LidarOptions lidar;
-  lidar.model = velodyne::Model::kHdl64eS2;
+  lidar.model = &velodyne::lidar_model(velodyne::Model::kHdl64eS2);
   lidar.rays_per_pulse = 1;
   lidar.T_vehicle_lidar.translation() = Eigen::Vector3d(1.0, 0, 2.1);
   s.lidars.push_back(lidar);

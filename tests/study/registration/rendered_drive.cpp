@@ -1,4 +1,5 @@
 #include "tests/study/registration/rendered_drive.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -52,7 +53,7 @@ simulator::Scenario draw_scenario(uint64_t seed) {
   s.motion.speed = s.motion.start_speed = random.uniform(7, 6, 11);
   s.duration = 60;
   simulator::LidarOptions lidar;
-  lidar.model = velodyne::Model::kHdl64eS2;
+  lidar.model = &velodyne::lidar_model(velodyne::Model::kHdl64eS2);
   lidar.T_vehicle_lidar.translation() = Eigen::Vector3d(1.0, 0, 2.1);
   s.lidars.push_back(lidar);
   for (int i = 0; i < 5; ++i) s.cameras.push_back(ring_camera(i));
@@ -87,7 +88,7 @@ Sweep deskewed_turn(simulator::Simulation& simulation, double time) {
       sweep.z.push_back(p.z());
       sweep.range.push_back(r.range);
       sweep.reflectivity.push_back(static_cast<float>(r.reflectivity) / 255);
-      sweep.ring.push_back(lidar.rings()[slot]);
+      sweep.ring.push_back(lidar.pattern().slots[slot].ring);
       sweep.column.push_back(static_cast<uint16_t>(i));
       sweep.time_offset_ns.push_back(0);
       sweep.return_kind.push_back(ReturnKind::kStrongest);

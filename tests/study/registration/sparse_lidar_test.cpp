@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "drivers/measurement/angles.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
 #include "fixtures/simulator/simulation.hpp"
 #include "fusion/registration/lidar_trajectory.hpp"
 
@@ -24,7 +25,7 @@ simulator::Scenario sparse_lidar(double start_speed, double speed) {
   s.motion.start_speed = start_speed;
   s.motion.speed = speed;
   simulator::LidarOptions lidar;
-  lidar.model = velodyne::Model::kVlp16;
+  lidar.model = &velodyne::lidar_model(velodyne::Model::kVlp16);
   lidar.rays_per_pulse = 1;
   lidar.T_vehicle_lidar.translation() = Eigen::Vector3d(0.14, -0.27, 2.49);
   lidar.T_vehicle_lidar.linear() = (Eigen::AngleAxisd(-68 * kDegree, Eigen::Vector3d::UnitZ()) *

@@ -58,7 +58,7 @@ Result<RigRecording> record_random_rig(uint64_t seed, const RigRecordingOptions&
   RigRecording out{.camera = scenario.cameras[0].options.intrinsics};
   out.T_camera_lidar =
       scenario.cameras[0].options.T_vehicle_camera.inverse() * scenario.lidars[0].T_vehicle_lidar;
-  out.lidar = simulation->lidars()[0].info().name;
+  out.lidar = simulation->lidars()[0].options().model->name;
   const double rate = scenario.lidars[0].rate;
   const double usable = std::min(options.duration, simulation->duration()) - 2 / rate;
   for (int k = 0; k < options.diverse; ++k) {

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "drivers/velodyne/velodyne_maker.hpp"
 #include "fixtures/scene/capture.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
 #include "tests/daemon/run_program.hpp"
@@ -124,7 +125,7 @@ TEST_F(AlignTest, StatesWhySweepsCannotBeAligned) {
 TEST_F(AlignTest, TakesSweepsOfACaptureByTheirIndex) {
   const std::string capture = (folder_ / "street.pcap").string();
   fixtures::CaptureOptions options;
-  options.model = velodyne::Model::kVlp16;
+  options.model = &velodyne::lidar_model(velodyne::Model::kVlp16);
   options.duration = from_seconds(1);
   ASSERT_TRUE(fixtures::make_capture(capture, options));
   // The lidar stands still; the capture's noise and a moving box differ.
