@@ -7,6 +7,7 @@
 
 #include "drivers/velodyne/decoder.hpp"
 #include "drivers/velodyne/model_inference.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace infuse;

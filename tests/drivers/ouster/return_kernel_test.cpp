@@ -132,8 +132,10 @@ TEST_P(OusterReturnKernel, GivesThePointsOfTheFormula) {
   }
 }
 
-TEST_P(OusterReturnKernel, NamesTheKindsOfTwoReturns) {
-  if (profile_info(GetParam()).echoes == 1) GTEST_SKIP();
+/// With the profiles of two returns.
+class OusterTwoReturns : public testing::TestWithParam<Profile> {};
+
+TEST_P(OusterTwoReturns, HaveTheirKinds) {
   using enum ReturnKind;
   struct Case {
     uint32_t range, range2;
@@ -181,6 +183,8 @@ TEST_P(OusterReturnKernel, NamesTheKindsOfTwoReturns) {
 INSTANTIATE_TEST_SUITE_P(Profiles, OusterReturnKernel,
                          testing::Values(Profile::kLegacy, Profile::kRng19, Profile::kRng19Dual,
                                          Profile::kRng15, Profile::kFusaDual));
+INSTANTIATE_TEST_SUITE_P(Profiles, OusterTwoReturns,
+                         testing::Values(Profile::kRng19Dual, Profile::kFusaDual));
 
 TEST(OusterBeamTable, CountsRingsFromBelowAndLeavesOutBeamsThatDoNotExist) {
   // 16 of 64, as firmware 1.13 wrote them.
