@@ -10,6 +10,7 @@
 #include <set>
 #include <sstream>
 
+#include "drivers/lidar/lidar_maker.hpp"
 #include "drivers/robosense/decoder.hpp"
 #include "drivers/robosense/robosense_maker.hpp"
 #include "tests/drivers/robosense/oracle.hpp"
