@@ -22,8 +22,9 @@ set(tools COMPONENT tools EXCLUDE_FROM_ALL)
 set(simulator COMPONENT simulator EXCLUDE_FROM_ALL)
 install(TARGETS infused RUNTIME)
 install(TARGETS infuse RUNTIME ${owner})
-get_target_property(programs infuse-tools MANUALLY_ADDED_DEPENDENCIES)
-install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/infuse ${tools})
+install(TARGETS infuse-tools RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/infuse ${tools})
+get_property(links GLOBAL PROPERTY INFUSE_TOOL_LINKS)
+install(FILES ${links} DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/infuse ${tools})
 install(FILES ${packaging}/completion/infuse DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions ${owner})
 
 # Debian wants manuals and the changelog compressed, always to the same bytes.

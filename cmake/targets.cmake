@@ -118,16 +118,25 @@ function(infuse_program name source)
   target_compile_options(${name} PRIVATE ${INFUSE_COLD_OPTIONS})
 endfunction()
 
-# infuse_tool(calibrate_target DEPENDENCY...): the folder daemon/tools/NAME as a library, and its program, which
-# `infuse NAME` finds in libexec/infuse beside bin.
+# infuse_tool(calibrate_target DEPENDENCY...): the folder daemon/tools/NAME as a library of the program of all tools.
 set(INFUSE_TOOLS ${CMAKE_BINARY_DIR}/libexec/infuse)
-add_custom_target(infuse-tools)
 function(infuse_tool name)
   infuse_library(daemon/tools/${name} infuse::daemon_command_line ${ARGN})
-  string(REPLACE "_" "-" program infuse-${name})
-  infuse_program(${program} daemon/tools/infuse_${name}.cpp infuse::daemon_tools_${name})
-  set_target_properties(${program} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${INFUSE_TOOLS})
-  add_dependencies(infuse-tools ${program})
+  string(REPLACE "_" "-" link infuse-${name})
+  set_property(GLOBAL APPEND PROPERTY INFUSE_TOOL_LIBRARIES infuse::daemon_tools_${name})
+  set_property(GLOBAL APPEND PROPERTY INFUSE_TOOL_LINKS ${INFUSE_TOOLS}/${link})
+endfunction()
+
+# infuse_tools_program(daemon/tools/infuse_tools.cpp): that program, with a link for each tool, which `infuse NAME` finds in
+# libexec/infuse beside bin.
+function(infuse_tools_program source)
+  get_property(libraries GLOBAL PROPERTY INFUSE_TOOL_LIBRARIES)
+  infuse_program(infuse-tools ${source} ${libraries})
+  set_target_properties(infuse-tools PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${INFUSE_TOOLS} OUTPUT_NAME tools)
+  get_property(links GLOBAL PROPERTY INFUSE_TOOL_LINKS)
+  foreach(link ${links})
+    add_custom_command(TARGET infuse-tools POST_BUILD COMMAND ${CMAKE_COMMAND} -E create_symlink tools ${link})
+  endforeach()
 endfunction()
 
 # Where tests and benchmarks find the source tree and the programs.

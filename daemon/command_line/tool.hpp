@@ -7,7 +7,7 @@
 
 namespace infuse::daemon {
 
-/// A tool: a command that is a program of its own, infuse-NAME, which `infuse NAME` starts.
+/// A tool: a command that is outside of `infuse`, which `infuse NAME` starts as infuse-NAME.
 struct Tool {
   const char* name;
   const char* description;
