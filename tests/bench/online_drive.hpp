@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/pipeline/lidar_intake.hpp"
 #include "daemon/setup/drive_setup.hpp"
 #include "drivers/camera/colour.hpp"
 #include "drivers/camera/image_decoder.hpp"

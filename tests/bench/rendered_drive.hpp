@@ -15,21 +15,23 @@ inline std::filesystem::path bench_drives_folder() {
   return given == nullptr ? programs_folder() + "/../bench-drives" : given;
 }
 
-/// Returns the folder of a drive shared by benchmarks; it is simulated on first use.
-/// `scenario`: one of fixtures/scenarios;
-/// `drive`, `extra_arguments`: name of the folder and further arguments, if different from the
-/// scenario's. Prints an error if the simulation fails; the folder is then missing.
+/// Returns the folder of a drive shared by benchmarks, which change nothing in it; it is rendered
+/// once (fixtures/simulate_once). `scenario`: one of fixtures/scenarios; `drive`,
+/// `extra_arguments`: name of the folder and further arguments, if different from the scenario's.
+/// Prints an error if the simulation fails; the folder is then missing.
 inline std::filesystem::path rendered_drive(const std::string& scenario,
                                             const std::string& drive = {},
                                             const std::string& extra_arguments = {}) {
   const std::filesystem::path folder = bench_drives_folder() / (drive.empty() ? scenario : drive);
-  if (std::filesystem::exists(folder / "drive.toml")) return folder;
-  std::filesystem::create_directories(folder.parent_path());
-  const std::string command = programs_folder() + "/infuse-simulate " + source_folder() +
-                              "/fixtures/scenarios/" + scenario + ".toml" + extra_arguments +
-                              " -o " + folder.string();
+  std::filesystem::remove_all(folder);
+  const std::string command = source_folder() + "/fixtures/simulate_once --link " +
+                              programs_folder() + "/infuse-simulate-unversioned " +
+                              source_folder() + "/fixtures/scenarios/" + scenario + ".toml" +
+                              extra_arguments + " -o " + folder.string();
   std::fprintf(stderr, "%s\n", command.c_str());
-  if (std::system((command + " >&2").c_str()) != 0) std::fprintf(stderr, "failed\n");
+  if (std::system((command + " >&2").c_str()) == 0) return folder;
+  std::fprintf(stderr, "failed\n");
+  std::filesystem::remove_all(folder);
   return folder;
 }
 

@@ -144,7 +144,6 @@ bool is_rendered(const std::string& drive) {
 }
 
 bool render(const std::string& drive) {
-  if (is_rendered(drive)) return true;
   std::string scenario = drive == "street" ? "online_2hz" : drive, more;
   if (drive.starts_with("kitti_")) {
     const char* data = std::getenv("INFUSE_REAL_DATA");
@@ -165,8 +164,12 @@ bool render(const std::string& drive) {
 
 std::vector<View> read_views(const std::string& drive) {
   const std::filesystem::path cache = kDrivesFolder / (drive + ".views");
-  if (std::filesystem::exists(cache)) return read_cache(cache);
   const std::filesystem::path folder = kDrivesFolder / drive;
+  std::error_code none;  // of a drive that was rendered later
+  if (std::filesystem::last_write_time(cache, none) >
+      std::filesystem::last_write_time(folder / "drive.toml", none)) {
+    return read_cache(cache);
+  }
   auto setup = daemon::open_drive(folder, {}, {});
   const auto opened = recording::Drive::open(folder);
   if (!setup || !opened) return {};

@@ -34,7 +34,7 @@ struct DriveMap {
   SegmentMap map;
 };
 
-/// Renders `drive` unless it exists: "pedestrian_zone", "street", "kitti_00", "kitti_05" or
+/// Makes `drive`, rendered once: "pedestrian_zone", "street", "kitti_00", "kitti_05" or
 /// "kitti_07", the latter with the recordings of INFUSE_REAL_DATA. On failure prints the reason to
 /// standard error and returns false.
 bool render(const std::string& drive);

@@ -66,7 +66,7 @@ class DriveReplayTest : public testing::Test {
 
   TemporaryFolder folder_;
   std::filesystem::path drive_ = folder_ / "drive";
-  simulator::DriveSummary summary_;
+  SimulatedDrive summary_;
 };
 
 TEST_F(DriveReplayTest, EverythingIsReadAndSweepsCoveredByOdometryAreDeskewed) {

@@ -3,28 +3,43 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <string>
 
-#include "fixtures/simulator/drive_writer.hpp"
 #include "tests/daemon/pipeline/run_replay.hpp"
+#include "tests/daemon/run_program.hpp"
 #include "tests/folders.hpp"
 
 namespace infuse::daemon {
 
-/// Makes the drive that `scenario` (TOML) describes, on one of the maps of fixtures/maps.
-inline Result<simulator::DriveSummary> simulate(const std::filesystem::path& folder,
-                                                const std::string& scenario) {
-  const std::filesystem::path maps = std::filesystem::path(source_folder()) / "fixtures/maps";
-  auto parsed = simulator::parse_scenario(scenario, "test.toml", maps);
-  if (!parsed) return tl::unexpected(parsed.error());
-  auto simulation = simulator::Simulation::create(*parsed, 2);
-  if (!simulation) return tl::unexpected(simulation.error());
-  return write_drive(*simulation, folder, [](double) {});
+/// Totals of a simulated drive.
+struct SimulatedDrive {
+  uint64_t packets = 0;  ///< data packets of the lidars
+  uint64_t images = 0;
+  uint64_t can_frames = 0;
+};
+
+/// Makes the drive that `scenario` (TOML) describes, on one of the maps of fixtures/maps; it is
+/// rendered once (fixtures/simulate_once).
+inline Result<SimulatedDrive> simulate(const std::filesystem::path& folder,
+                                       const std::string& scenario) {
+  const TemporaryFolder made;
+  const std::filesystem::path source = source_folder();
+  for (const auto& map : std::filesystem::directory_iterator(source / "fixtures/maps")) {
+    std::filesystem::create_symlink(map.path(), made / map.path().filename().string());
+  }
+  std::ofstream(made / "test.toml") << scenario;
+  const ProgramResult run =
+      run_shell_command((source / "fixtures/simulate_once").string() + " " + programs_folder() +
+                        "/infuse-simulate-unversioned " + (made / "test.toml").string() +
+                        " --json -o " + folder.string());
+  if (run.code != 0) return tl::unexpected(Error{"cannot be simulated", folder.string(), ""});
+  const auto summary = nlohmann::json::parse(run.output);
+  return SimulatedDrive{summary["packets"], summary["images"], summary["can_frames"]};
 }
 
 /// A few seconds of a car in a street with all its sensors, small and quickly made.
-inline Result<simulator::DriveSummary> simulate_car(const std::filesystem::path& folder,
-                                                    double seconds) {
+inline Result<SimulatedDrive> simulate_car(const std::filesystem::path& folder, double seconds) {
   return simulate(folder, "duration_s = " + std::to_string(seconds) + R"(
 [world]
 map = "altfeld.osm"
