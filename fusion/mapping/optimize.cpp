@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "fusion/geometry/rigid_motion.hpp"
 #include "fusion/mapping/free_poses.hpp"
@@ -27,6 +28,16 @@ PoseMatrix<3> to_map(const Pose<3>& T) {
   PoseMatrix<3> M;
   M << adjoint.rightCols<3>(), adjoint.leftCols<3>();
   return M;
+}
+
+/// Whether a step moves no pose by more than the rounding of its numbers.
+template <int D>
+bool is_rounding(const Eigen::VectorXd& step, const std::vector<Pose<D>>& poses) {
+  double largest = 1;
+  for (const Pose<D>& pose : poses) {
+    largest = std::max(largest, pose.translation().template lpNorm<Eigen::Infinity>());
+  }
+  return step.lpNorm<Eigen::Infinity>() <= 4 * std::numeric_limits<double>::epsilon() * largest;
 }
 
 }  // namespace
@@ -105,6 +116,10 @@ OptimizeResult PoseGraphSolver<D>::optimize(PoseGraph<D>& graph, const OptimizeO
     const Eigen::VectorXd step = -system_.solve(gradient_);
     if (!step.allFinite()) {
       result.reason = "the edges do not determine the poses";
+      return result;
+    }
+    if (is_rounding<D>(step, graph.poses)) {  // as where all edges agree, and the cost is 0
+      result.reason = "";
       return result;
     }
     for (size_t i = 1; i < graph.poses.size(); ++i) {

@@ -2,10 +2,14 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <iostream>
 #include <memory>
 #include <string>
+#include <utility>
 #include <variant>
+#include <vector>
 
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/command_line/progress_line.hpp"
@@ -21,6 +25,7 @@
 #include "drivers/text/text_file.hpp"
 #include "fusion/mapping/chordal_initialisation.hpp"
 #include "fusion/mapping/optimize.hpp"
+#include "fusion/mapping/robust.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -42,6 +47,7 @@ struct MapArguments {
   std::string graph, output;
   std::string cost = "information";
   std::string start = "edges";
+  bool robust = false;
   bool json = false;
 };
 
@@ -59,34 +65,93 @@ std::string initialise(G2oGraph<D>& file, const std::string& start) {
   return mapping::initialise_chordal(file.graph) ? "" : "the edges do not determine the poses";
 }
 
+/// An edge that was left out as false, by the ids of the file.
+struct RejectedEdge {
+  int64_t from = 0, to = 0;
+  double chi2 = 0;
+};
+
+/// The graph at its optimum, and what was left out of it.
+struct OptimizedFile {
+  mapping::OptimizeResult result;
+  std::string reason;  ///< empty if the poses are usable
+  size_t closures = 0;
+  std::vector<RejectedEdge> rejected;
+};
+
+template <int D>
+OptimizedFile optimize(G2oGraph<D>& file, const mapping::OptimizeOptions& options, bool robust) {
+  OptimizedFile out;
+  const auto is_closure = [](const mapping::PoseEdge<D>& edge) { return edge.closure; };
+  out.closures = static_cast<size_t>(std::ranges::count_if(file.graph.edges, is_closure));
+  if (!robust) {
+    out.result = mapping::PoseGraphSolver<D>(file.graph).optimize(file.graph, options);
+    out.reason = out.result.reason;
+    return out;
+  }
+  const mapping::RobustResult found = mapping::optimize_robustly(file.graph, options);
+  out.result = found.optimized;
+  out.reason = found.reason;
+  std::vector<mapping::PoseEdge<D>> accepted;
+  for (size_t e = 0; e < found.accepted.size(); ++e) {
+    const mapping::PoseEdge<D>& edge = file.graph.edges[e];
+    if (found.accepted[e] != 0) {
+      accepted.push_back(edge);
+    } else {
+      out.rejected.push_back({file.ids[edge.from], file.ids[edge.to], found.chi2[e]});
+    }
+  }
+  if (!found.accepted.empty()) file.graph.edges = std::move(accepted);
+  return out;
+}
+
+nlohmann::ordered_json to_json(const OptimizedFile& optimized, size_t poses, size_t edges) {
+  nlohmann::ordered_json rejected = nlohmann::ordered_json::array();
+  for (const RejectedEdge& edge : optimized.rejected) {
+    rejected.push_back({{"from", edge.from}, {"to", edge.to}, {"chi2", edge.chi2}});
+  }
+  return {{"poses", poses},
+          {"edges", edges},
+          {"closures", optimized.closures},
+          {"rejected", std::move(rejected)},
+          {"initial_cost", optimized.result.initial_cost},
+          {"cost", optimized.result.cost},
+          {"iterations", optimized.result.iterations},
+          {"usable", optimized.reason.empty()},
+          {"reason", optimized.reason}};
+}
+
+std::string to_text(const OptimizedFile& optimized, size_t poses, size_t edges,
+                    const std::string& output) {
+  std::string text = fmt::format(
+      "{} poses, {} edges: cost {:.6g}, initially {:.6g}, {} steps, to {}\n", poses, edges,
+      optimized.result.cost, optimized.result.initial_cost, optimized.result.iterations, output);
+  if (!optimized.rejected.empty()) {
+    text += fmt::format("{} of {} closures rejected:\n      from         to         chi2\n",
+                        optimized.rejected.size(), optimized.closures);
+  }
+  for (const RejectedEdge& edge : optimized.rejected) {
+    text += fmt::format("{:>10} {:>10} {:>12.6g}\n", edge.from, edge.to, edge.chi2);
+  }
+  return text + (optimized.reason.empty() ? "" : "not usable: " + optimized.reason + "\n");
+}
+
 template <int D>
 int optimize_file(G2oGraph<D>& file, const MapArguments& arguments) {
   if (const std::string wrong = initialise(file, arguments.start); !wrong.empty()) {
     return print_error(kMapProgram, {wrong, arguments.graph, "--start edges"}, kUnreadable);
   }
-  mapping::PoseGraphSolver<D> solver(file.graph);
-  const mapping::OptimizeResult result = solver.optimize(
-      file.graph, {.cost = arguments.cost == "chordal" ? mapping::Cost::kChordal
-                                                       : mapping::Cost::kInformation});
+  const OptimizedFile optimized = optimize(
+      file,
+      {.cost = arguments.cost == "chordal" ? mapping::Cost::kChordal : mapping::Cost::kInformation},
+      arguments.robust);
   if (const auto written = text::write_text(arguments.output, format_g2o(file)); !written) {
     return print_error(kMapProgram, written.error(), kFailure);
   }
-  if (arguments.json) {
-    std::cout << json_text({{"poses", file.graph.poses.size()},
-                            {"edges", file.graph.edges.size()},
-                            {"initial_cost", result.initial_cost},
-                            {"cost", result.cost},
-                            {"iterations", result.iterations},
-                            {"usable", result.usable()},
-                            {"reason", result.reason}})
-              << "\n";
-  } else {
-    std::cout << fmt::format("{} poses, {} edges: cost {:.6g}, initially {:.6g}, {} steps, to {}\n",
-                             file.graph.poses.size(), file.graph.edges.size(), result.cost,
-                             result.initial_cost, result.iterations, arguments.output);
-    if (!result.usable()) std::cout << "not usable: " << result.reason << "\n";
-  }
-  return result.usable() ? kDone : kFailure;
+  const size_t poses = file.graph.poses.size(), edges = file.graph.edges.size();
+  std::cout << (arguments.json ? json_text(to_json(optimized, poses, edges)) + "\n"
+                               : to_text(optimized, poses, edges, arguments.output));
+  return optimized.reason.empty() ? kDone : kFailure;
 }
 
 int run_map_optimize(const MapArguments& arguments) {
@@ -147,7 +212,8 @@ void declare_optimize(CLI::App& app, MapArguments& arguments) {
       app.add_subcommand("optimize", "find the poses of a graph that fit its edges best");
   optimize
       ->add_option("GRAPH", arguments.graph,
-                   "pose graph in g2o's text format, in 2D (SE2) or 3D (SE3:QUAT)")
+                   "pose graph in g2o's text format, in 2D (SE2) or 3D (SE3:QUAT), plain or "
+                   "compressed (gzip, zstd)")
       ->required();
   optimize->add_option("-o,--output", arguments.output, "graph to write, with the poses found")
       ->required()
@@ -164,8 +230,13 @@ void declare_optimize(CLI::App& app, MapArguments& arguments) {
                    "the odometry (odometry), or those of the file (file)")
       ->check(CLI::IsMember({"edges", "odometry", "file"}))
       ->type_name("POSES");
+  optimize->add_flag(
+      "--robust", arguments.robust,
+      "reject closures that contradict the odometry and each other; they are listed, "
+      "and not in the graph that is written");
   optimize->add_flag("--json", arguments.json, "print the result as one JSON object");
   set_examples(*optimize, {"infuse map optimize graph.g2o -o optimised.g2o",
+                           "infuse map optimize graph.g2o.gz --robust -o optimised.g2o",
                            "infuse map optimize graph.g2o --start file -o optimised.g2o --json"});
 }
 

@@ -54,6 +54,32 @@ TEST_F(MapCommandTest, SaysWhatIsWrong) {
   EXPECT_EQ(optimize("--cost least").code, 2);
 }
 
+// Three laps of a square of 1 m, true closures from lap to lap, and one that takes opposite corners
+// for one place.
+TEST_F(MapCommandTest, RejectsAFalseClosure) {
+  std::string text;
+  for (int k = 0; k < 11; ++k) {
+    text += "EDGE_SE2 " + std::to_string(k) + " " + std::to_string(k + 1) +
+            " 1 0 1.5707963267948966 2500 0 0 2500 0 10000\n";
+  }
+  for (int k = 0; k < 8; ++k) {
+    text += "EDGE_SE2 " + std::to_string(k) + " " + std::to_string(k + 4) +
+            " 0 0 0 2500 0 0 2500 0 10000\n";
+  }
+  text += "EDGE_SE2 1 7 0 0 0 2500 0 0 2500 0 10000\n";
+  folder_.write("graph.g2o", text);
+  const auto result = optimize("--robust --json");
+  ASSERT_EQ(result.code, 0) << result.output;
+  const Json json = Json::parse(result.output);
+  EXPECT_EQ(json["closures"], 9);
+  ASSERT_EQ(json["rejected"].size(), 1) << result.output;
+  EXPECT_EQ(json["rejected"][0]["from"], 1);
+  EXPECT_EQ(json["rejected"][0]["to"], 7);
+  EXPECT_LT(json["cost"], 1e-6);
+  EXPECT_THAT(folder_.read("out.g2o"), Not(HasSubstr("EDGE_SE2 1 7 ")));
+  EXPECT_THAT(optimize("--robust").output, HasSubstr("1 of 9 closures rejected"));
+}
+
 // A file that ends in .g2o is a graph without the word optimize too.
 TEST_F(MapCommandTest, TakesAGraphInPlaceOfADrive) {
   folder_.write("graph.g2o", kSquare);
