@@ -102,7 +102,7 @@ struct Georeference {
   std::vector<mapping::PositionFactor> factors;
 };
 
-Georeference make_georeference(const MapDrive& drive, const mapping::PositionOptions& options) {
+Georeference make_georeference(const MapDrive& drive, const mapping::EarthFitOptions& options) {
   Georeference out;
   double last_way = -options.spacing;
   for (const MapFix& measured : drive.fixes) {
@@ -131,7 +131,7 @@ Georeference make_georeference(const MapDrive& drive, const mapping::PositionOpt
 }
 
 /// The poses of keyframes of a fit.
-std::vector<Eigen::Isometry3d> poses_of(const mapping::PositionFit& fit) {
+std::vector<Eigen::Isometry3d> poses_of(const mapping::EarthFit& fit) {
   return {fit.graph.poses.begin() + 1, fit.graph.poses.end()};
 }
 
@@ -180,13 +180,11 @@ Result<mapping::PoseGraph<3>> close_loops(mapping::PoseGraph<3> graph,
   return closed;
 }
 
-/// The graph as a file: the origin of a georeferenced map is vertex 0, keyframe k is vertex k + 1.
-std::string format_graph(const mapping::PoseGraph<3>& graph, bool with_origin) {
+/// The graph as a file: the map's origin is vertex 0, keyframe k is vertex k + 1.
+std::string format_graph(const mapping::PoseGraph<3>& graph) {
   G2oGraph<3> file;
   file.graph = graph;
-  for (size_t i = 0; i < graph.poses.size(); ++i) {
-    file.ids.push_back(static_cast<int64_t>(i) + (with_origin ? 0 : 1));
-  }
+  for (size_t i = 0; i < graph.poses.size(); ++i) file.ids.push_back(static_cast<int64_t>(i));
   return format_g2o(file);
 }
 
@@ -207,9 +205,11 @@ MapJson georeference_json(const Georeference& origin) {
           {"altitude_m", origin.altitude}};
 }
 
-void describe_fit(const mapping::PositionFit& fit, MapSummary& summary) {
-  summary.georeferenced = fit.usable();
-  summary.position_reason = fit.reason;
+void describe_fit(const mapping::EarthFit& fit, MapSummary& summary) {
+  if (!fit.usable()) summary.reason = fit.optimized.reason;
+  summary.georeferenced = fit.georeferenced();
+  summary.position_reason = fit.position_reason;
+  summary.tilt_sigma = fit.tilt_sigma;
   summary.fixes = fit.accepted.size();
   summary.fixes_rejected = static_cast<size_t>(
       std::count(fit.accepted.begin(), fit.accepted.end(), static_cast<char>(0)));
@@ -255,11 +255,12 @@ Result<MapSummary> finish_map(const MapFolder& folder, const MapDrive& drive,
   if (!joins) return tl::unexpected(joins.error());
   mapping::PoseGraph<3> graph = odometry_graph(keyframes, *joins);
   const Georeference origin =
-      settings.use_gnss ? make_georeference(drive, settings.positions) : Georeference{};
+      settings.use_gnss ? make_georeference(drive, settings.earth) : Georeference{};
 
   std::optional<mapping::KnownPoses> known;
-  if (auto fit = mapping::fit_positions(graph, origin.factors, settings.positions); fit.usable()) {
-    known = mapping::KnownPoses{poses_of(fit), settings.positions.sigma};
+  if (auto fit = mapping::fit_to_earth(graph, origin.factors, settings.earth);
+      fit.georeferenced()) {
+    known = mapping::KnownPoses{poses_of(fit), settings.earth.sigma};
   }
   if (settings.close_loops) {
     size_t accepted = 0;
@@ -278,20 +279,19 @@ Result<MapSummary> finish_map(const MapFolder& folder, const MapDrive& drive,
   MapJson outvoted = MapJson::array();
   auto closed = close_loops(graph, closures, summary, outvoted);
   if (!closed) return tl::unexpected(closed.error());
-  std::vector<Eigen::Isometry3d> T_map_vehicle = closed->poses;
-  mapping::PositionFit fit = mapping::fit_positions(*closed, origin.factors, settings.positions);
+  const mapping::EarthFit fit = mapping::fit_to_earth(*closed, origin.factors, settings.earth);
+  describe_fit(fit, summary);
   if (const char* wrong = unmeasured_reason(summary, settings); *wrong != '\0') {
     summary.reason = wrong;
   }
-  describe_fit(fit, summary);
-  if (fit.usable()) T_map_vehicle = poses_of(fit);
+  const std::vector<Eigen::Isometry3d> T_map_vehicle = poses_of(fit);
 
   MapJson manifest = drive.manifest;
-  manifest["georeference"] = fit.usable() ? georeference_json(origin) : MapJson(nullptr);
+  manifest["georeference"] = fit.georeferenced() ? georeference_json(origin) : MapJson(nullptr);
   manifest["outvoted_closures"] = outvoted;
   manifest["summary"] = to_json(summary);
-  const std::string graph_text = format_graph(fit.usable() ? fit.graph : *closed, fit.usable());
-  std::vector<std::pair<std::string, std::string>> files{{map_file::kGraph, graph_text}};
+  std::vector<std::pair<std::string, std::string>> files{
+      {map_file::kGraph, format_graph(fit.graph)}};
   for (size_t d = 0; d < summary.drives; ++d) {
     const size_t end = d + 1 < summary.drives ? drive.first_keyframes[d + 1] : keyframes.size();
     files.emplace_back(MapFolder::trajectory_name(d),

@@ -23,6 +23,7 @@ struct MapSummary {
   double moved = 0;  ///< m, root mean square by which the closures moved the keyframes
   bool georeferenced = false;
   size_t fixes = 0, fixes_rejected = 0;
+  double tilt_sigma = 0;        ///< rad, of the map's vertical where it is known least
   double fix_rms = 0;           ///< m, horizontal, of the accepted fixes
   std::string position_reason;  ///< why it is not georeferenced
   std::string reason;           ///< why the map is not usable; empty if it is

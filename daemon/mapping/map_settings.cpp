@@ -11,7 +11,7 @@ std::optional<std::string> MapSettings::invalid() const {
   if (auto wrong = search.invalid()) return wrong;
   if (auto wrong = check.invalid()) return wrong;
   if (auto wrong = join.invalid()) return wrong;
-  return positions.invalid();
+  return earth.invalid();
 }
 
 nlohmann::ordered_json to_json(const MapSettings& settings) {
@@ -20,7 +20,7 @@ nlohmann::ordered_json to_json(const MapSettings& settings) {
   const mapping::ClosureSearchOptions& s = settings.search;
   const mapping::ClosureCheckOptions& c = settings.check;
   const places::JoinOptions& j = settings.join;
-  const mapping::PositionOptions& p = settings.positions;
+  const mapping::EarthFitOptions& e = settings.earth;
   return {{"close_loops", settings.close_loops},
           {"use_gnss", settings.use_gnss},
           {"max_unmeasured", settings.max_unmeasured},
@@ -61,15 +61,18 @@ nlohmann::ordered_json to_json(const MapSettings& settings) {
             {"min_closures", j.agreement.min_closures},
             {"widening", j.agreement.widening},
             {"max_rival", j.agreement.max_rival}}},
-          {"positions",
-           {{"sigma", p.sigma},
-            {"vertical_factor", p.vertical_factor},
-            {"spacing", p.spacing},
-            {"correlation", p.correlation},
-            {"max_outlier_sigmas", p.max_outlier_sigmas},
-            {"min_fixes", p.min_fixes},
-            {"min_extent", p.min_extent},
-            {"min_inliers", p.min_inliers}}}};
+          {"earth",
+           {{"sigma", e.sigma},
+            {"vertical_factor", e.vertical_factor},
+            {"spacing", e.spacing},
+            {"correlation", e.correlation},
+            {"max_outlier_sigmas", e.max_outlier_sigmas},
+            {"min_fixes", e.min_fixes},
+            {"min_extent", e.min_extent},
+            {"min_inliers", e.min_inliers},
+            {"roll_sigma", e.roll_sigma},
+            {"pitch_sigma", e.pitch_sigma},
+            {"slope_correlation", e.slope_correlation}}}};
 }
 
 }  // namespace infuse::daemon

@@ -6,7 +6,7 @@
 
 #include "fusion/mapping/closure_check.hpp"
 #include "fusion/mapping/closure_search.hpp"
-#include "fusion/mapping/position_factors.hpp"
+#include "fusion/mapping/earth_fit.hpp"
 #include "fusion/places/join_search.hpp"
 
 namespace infuse::daemon {
@@ -18,7 +18,7 @@ struct MapSettings {
   mapping::ClosureSearchOptions search;
   mapping::ClosureCheckOptions check;
   places::JoinOptions join;
-  mapping::PositionOptions positions;
+  mapping::EarthFitOptions earth;
   double max_unmeasured = 0.03;   ///< share of the sweeps whose motion no sensor measured, …
   double max_unregistered = 0.1;  ///< … or the lidar did not; more make a map that is not usable
   bool close_loops = true;

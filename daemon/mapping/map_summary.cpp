@@ -1,6 +1,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/mapping/map_finish.hpp"
+#include "drivers/measurement/angles.hpp"
 
 namespace infuse::daemon {
 
@@ -18,6 +19,7 @@ MapJson to_json(const MapSummary& summary) {
           {"cost_before", summary.cost_before},
           {"cost", summary.cost},
           {"moved_m", summary.moved},
+          {"tilt_sigma_deg", summary.tilt_sigma / kDegree},
           {"georeferenced", summary.georeferenced},
           {"georeference_reason", summary.position_reason},
           {"fixes", summary.fixes},
@@ -49,6 +51,8 @@ std::string to_text(const MapSummary& summary) {
   } else {
     text += "\n  not georeferenced: " + summary.position_reason;
   }
+  text += fmt::format("\n  upright, with a standard deviation of {:.1f}°",
+                      summary.tilt_sigma / kDegree);
   return text + (summary.usable() ? "\n" : "\nnot usable: " + summary.reason + "\n");
 }
 

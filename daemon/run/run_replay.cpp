@@ -98,7 +98,8 @@ int run_replay(const RunOptions& options, const Config& config) {
   });
   start_messages(*messages, replay.pipeline(), false);
   TrajectoryOutput trajectory(options.trajectory);
-  trajectory.collect(publisher, !pipeline_options.street_map->empty());
+  trajectory.collect(publisher,
+                     !pipeline_options.street_map->empty() || pipeline_options.places.has_value());
 
   // The end, when the pipeline has ended.
   Result<void> written_messages;

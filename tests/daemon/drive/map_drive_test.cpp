@@ -317,9 +317,9 @@ TEST_F(MapDrive, AnotherVisitIsFoundOnTheMapAndTracked) {
   const auto file = [&](const std::string& name) { return (made_->folder / name).string(); };
   write_file(file("infused.toml"), "[map]\ndirectory = \"map\"\n");
   for (const auto& [reports, rate] : {std::pair{"a.jsonl", ""}, {"b.jsonl", " --rate 8"}}) {
-    const ProgramResult replay =
-        Made::infused("--replay " + other + " --config " + file("infused.toml") + " --socket " +
-                      file("s") + " --reports " + file(reports) + rate);
+    const ProgramResult replay = Made::infused(
+        "--replay " + other + " --config " + file("infused.toml") + " --socket " + file("s") +
+        " --trajectory " + file("live.tum") + " --reports " + file(reports) + rate);
     ASSERT_EQ(replay.code, 0) << replay.output;
   }
   const std::string reports = read_file(file("a.jsonl"));
@@ -339,6 +339,8 @@ TEST_F(MapDrive, AnotherVisitIsFoundOnTheMapAndTracked) {
     on_map.push_back(pose);
   }
   EXPECT_GT(on_map.size(), 90U);
+  EXPECT_EQ(read_poses(file("live.tum")).size(),
+            on_map.size());  // the trajectory is in the map, too
   const auto live = errors_on_map(on_map, read_poses(other + "/truth/poses.tum"),
                                   read_poses(made_->map() + "/trajectory.tum"), made_->truth);
   ASSERT_FALSE(live.empty());
