@@ -15,12 +15,13 @@ struct LocaliserOptions {
                                                                        ///< the map, so often
   mapping::SubmapOptions submaps;
   PlaceMatcherOptions matcher;
-  double min_probability = 0.999;  ///< of a place that is recognised without a guess
+  /// Probability of a place that is recognised without a guess, and that what was seen since then
+  /// confirms it: the error probability of Wald's sequential test is 1 in 1000 either way.
+  double min_probability = 0.999;
   size_t standing_sweeps = 10;  ///< a search that has seen so many sweeps need not wait for motion
   double confirm_distance = 8;  ///< m from where a place was recognised to where it is confirmed
   double max_unconfirmed = 60;  ///< m without one; then the pose is UNSURE …
   double lost_after = 150;      ///< m; … and then LOST
-  int max_failures = 3;         ///< verifications in a row; then the pose is UNSURE
   double max_sigma = 2;         ///< m, of the position; beyond it the pose is LOST
   double gate = 5;              ///< standard deviations
 
@@ -55,9 +56,12 @@ struct LocaliserPose {
 /// Finds a vehicle on a map of keyframes from nothing, and tracks it there. Submaps of what the
 /// lidar saw in the last metres are compared with the places of the map by their shape; the most
 /// alike are verified by registration both ways and by what each view refutes of the other; a
-/// place that another fits as well is not accepted. A second verification some metres on confirms
-/// it. From then on every submap is verified against the nearest place, and corrects the pose;
-/// between them odometry carries it.
+/// place that another fits as well is not accepted. From then on every submap is compared with the
+/// nearest place: how well it fits is evidence for or against the pose (Wald's sequential
+/// probability ratio test, by the log odds of `PlaceFit`), and where verification accepts it, it
+/// corrects the pose; between them odometry carries it. The pose is TRACKING once the evidence of
+/// other places than the first one is as sure as recognition has to be, UNSURE where it speaks
+/// against the pose, and LOST where it does so as surely.
 class Localiser {
  public:
   /// `options.invalid()` must be empty; `map.descriptors` has as many entries as keyframes.
@@ -79,6 +83,8 @@ class Localiser {
                double seconds);
   bool update(const MatchedPlace& measured, const Eigen::Isometry3d& T_measured_now);
   void begin_at(const MatchedPlace& found, const mapping::KeyframeSubmap& query);
+  void weigh(double log_odds);
+  double evidence_limit() const;
   void lose(const char* reason);
   void judge();
 
@@ -88,7 +94,7 @@ class Localiser {
   LocaliserPose pose_;
   double recognised_way_ = 0;  // m, where the pose began
   double confirmed_way_ = 0;   // m, of the last verification that succeeded
-  int failures_ = 0;           // verifications in a row
+  double evidence_ = 0;        // log odds of the pose by what was seen since it began, limited
   bool confirmed_ = false;
   const char* mismatch_ = "";  // why the last verification failed
 };

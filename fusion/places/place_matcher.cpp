@@ -47,23 +47,26 @@ Result<PlaceMatcher::PreparedPtr> PlaceMatcher::prepare(size_t keyframe) {
   return prepared_.front().second;
 }
 
-Result<std::optional<MatchedPlace>> PlaceMatcher::verify(
-    size_t keyframe, const mapping::PreparedSubmap& source,
-    const Eigen::Isometry3d& T_map_vehicle_guess, const mapping::ClosureCheckOptions& check) {
+Result<PlaceComparison> PlaceMatcher::verify(size_t keyframe, const mapping::PreparedSubmap& source,
+                                             const Eigen::Isometry3d& T_map_vehicle_guess,
+                                             const mapping::ClosureCheckOptions& check) {
   const auto target = prepare(keyframe);
   if (!target) return tl::unexpected(target.error());
   const Eigen::Isometry3d T_map_lidar = map_.T_map_vehicle[keyframe] * map_.T_vehicle_lidar;
   const mapping::ClosureCheck found = mapping::check_closure(
       **target, source, T_map_lidar.inverse() * T_map_vehicle_guess * T_vehicle_lidar_, check);
-  if (!found.usable()) return std::optional<MatchedPlace>();
+  PlaceComparison out;
+  out.fit = {found.inliers, found.agreement};
+  if (!found.usable()) return out;
   const Eigen::Isometry3d& T_target_source = found.registration.T_target_source;
   MatchedPlace matched;
-  matched.fit = {found.inliers, found.agreement};
+  matched.fit = out.fit;
   matched.T_map_vehicle = T_map_lidar * T_target_source * T_vehicle_lidar_.inverse();
   // exp(δ) T = T exp(Ad(T⁻¹) δ), then from the lidar to the vehicle.
   matched.covariance = geometry::transform_covariance(T_vehicle_lidar_ * T_target_source.inverse(),
                                                       found.registration.covariance);
-  return std::optional(matched);
+  out.place = matched;
+  return out;
 }
 
 // The places that look most like the cloud, far apart from each other.
@@ -97,10 +100,10 @@ Result<PlaceSearch> PlaceMatcher::search(const mapping::Submap& cloud) {
     const Eigen::Isometry3d T_place_query =
         align_outlines((*target)->cloud.cloud.points(), map_.T_vehicle_lidar,
                        source.cloud.cloud.points(), T_vehicle_lidar_, candidate.similarity.yaw);
-    const auto matched =
+    const auto compared =
         verify(candidate.place, source, map_.T_map_vehicle[candidate.place] * T_place_query, check);
-    if (!matched) return tl::unexpected(matched.error());
-    if (*matched) found.push_back(**matched);
+    if (!compared) return tl::unexpected(compared.error());
+    if (compared->place) found.push_back(*compared->place);
   }
   std::stable_sort(found.begin(), found.end(), [](const MatchedPlace& a, const MatchedPlace& b) {
     return log_odds(a.fit) > log_odds(b.fit);
@@ -122,8 +125,8 @@ Result<PlaceSearch> PlaceMatcher::search(const mapping::Submap& cloud) {
   return out;
 }
 
-Result<std::optional<MatchedPlace>> PlaceMatcher::match(
-    size_t keyframe, const mapping::Submap& cloud, const Eigen::Isometry3d& T_map_vehicle_guess) {
+Result<PlaceComparison> PlaceMatcher::match(size_t keyframe, const mapping::Submap& cloud,
+                                            const Eigen::Isometry3d& T_map_vehicle_guess) {
   return verify(keyframe, mapping::PreparedSubmap(cloud, options_.check), T_map_vehicle_guess,
                 options_.check);
 }

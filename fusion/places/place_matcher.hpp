@@ -42,6 +42,12 @@ struct MatchedPlace {
   PlaceFit fit;
 };
 
+/// What a comparison with one place found.
+struct PlaceComparison {
+  PlaceFit fit;                       ///< also where verification does not accept the pose
+  std::optional<MatchedPlace> place;  ///< where it does
+};
+
 /// What a search found.
 struct PlaceSearch {
   std::vector<MatchedPlace> places;  ///< the best fit first
@@ -60,10 +66,9 @@ class PlaceMatcher {
   /// most alike, verified. Or why the map cannot be read.
   Result<PlaceSearch> search(const mapping::Submap& cloud);
 
-  /// The pose at a keyframe from a guess that is right within 2 m; nothing if the cloud does not
-  /// fit there.
-  Result<std::optional<MatchedPlace>> match(size_t keyframe, const mapping::Submap& cloud,
-                                            const Eigen::Isometry3d& T_map_vehicle_guess);
+  /// The pose at a keyframe from a guess that is right within 2 m, and how well the cloud fits.
+  Result<PlaceComparison> match(size_t keyframe, const mapping::Submap& cloud,
+                                const Eigen::Isometry3d& T_map_vehicle_guess);
 
   /// Keyframe nearest to a pose of the same level, within `max_distance`.
   std::optional<size_t> nearest_keyframe(const Eigen::Isometry3d& T_map_vehicle) const;
@@ -73,9 +78,9 @@ class PlaceMatcher {
 
   Result<PreparedPtr> prepare(size_t keyframe);
   std::vector<PlaceCandidate> look_alikes(const mapping::Submap& cloud) const;
-  Result<std::optional<MatchedPlace>> verify(size_t keyframe, const mapping::PreparedSubmap& source,
-                                             const Eigen::Isometry3d& T_map_vehicle_guess,
-                                             const mapping::ClosureCheckOptions& check);
+  Result<PlaceComparison> verify(size_t keyframe, const mapping::PreparedSubmap& source,
+                                 const Eigen::Isometry3d& T_map_vehicle_guess,
+                                 const mapping::ClosureCheckOptions& check);
 
   PlaceMap map_;
   Eigen::Isometry3d T_vehicle_lidar_;

@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
 #include "tests/fusion/places/invented_map.hpp"
 
 namespace infuse::places {
@@ -14,12 +19,15 @@ PlaceMap whole_map() {
   return made;
 }
 
-/// Drives `poses` (map frame) on a street from nothing; calls `check` with each result.
+/// Drives `poses` (map frame) on a street from nothing, from pose `change` on with other houses;
+/// calls `check` with each result.
 template <class Check>
 void drive(Localiser& localiser, const InventedStreet& street,
-           const std::vector<Eigen::Isometry3d>& poses, Check check) {
+           const std::vector<Eigen::Isometry3d>& poses, Check check, size_t change = SIZE_MAX,
+           const InventedStreet& changed = InventedStreet(6)) {
   for (size_t i = 0; i < poses.size(); ++i) {
-    const mapping::Submap sweep = street.seen_from(poses[i] * lidar_above(), i);
+    const InventedStreet& there = i < change ? street : changed;
+    const mapping::Submap sweep = there.seen_from(poses[i] * lidar_above(), i);
     mapping::SweepMotion motion;
     motion.stamp = Stamp::from_ns(static_cast<int64_t>(i + 1) * 100'000'000);
     motion.measured = motion.registered = true;
@@ -90,6 +98,27 @@ TEST(Localiser, LeavesTheMapAndIsUnsureThenLost) {
         });
   using enum LocaliserState;
   EXPECT_EQ(states, (std::vector{kLost, kUnsure, kTracking, kUnsure, kLost}));
+}
+
+// The map is not of today: what the vehicle sees from 40 m on speaks against it.
+TEST(Localiser, IsLostWhereTheHousesAreOthers) {
+  Localiser localiser(whole_map(), lidar_above());
+  std::vector<LocaliserState> states;
+  std::string reason;
+  size_t tracked_after = 0;
+  const auto poses = straight(20, 115, 0, 0);
+  drive(
+      localiser, street(), poses,
+      [&](const LocaliserPose& pose, const Eigen::Isometry3d& truth) {
+        if (states.empty() || states.back() != pose.state) states.push_back(pose.state);
+        reason = pose.reason;
+        tracked_after += truth.translation().x() > 60 && pose.usable() ? 1 : 0;
+      },
+      40);
+  using enum LocaliserState;
+  EXPECT_EQ(states, (std::vector{kLost, kUnsure, kTracking, kUnsure, kLost}));
+  EXPECT_LE(tracked_after, 30U);
+  EXPECT_NE(reason, "");
 }
 
 TEST(Localiser, PassesOnThatAPlaceCannotBeRead) {

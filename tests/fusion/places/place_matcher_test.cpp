@@ -55,9 +55,13 @@ TEST(PlaceMatcher, MatchesAtAKeyframeWhatWasSeenThere) {
   const auto keyframe = matcher.nearest_keyframe(guess);
   ASSERT_TRUE(keyframe);
   const auto matched = matcher.match(*keyframe, seen_at(street(), truth), guess);
-  ASSERT_TRUE(matched && *matched);
-  EXPECT_LT(((*matched)->T_map_vehicle.translation() - truth.translation()).norm(), 0.1);
-  EXPECT_FALSE(*matcher.match(*keyframe, mapping::Submap(), guess));
+  ASSERT_TRUE(matched && matched->place);
+  EXPECT_LT((matched->place->T_map_vehicle.translation() - truth.translation()).norm(), 0.1);
+  EXPECT_GT(log_odds(matched->fit), 0);
+  const auto nothing = matcher.match(*keyframe, mapping::Submap(), guess);
+  ASSERT_TRUE(nothing);
+  EXPECT_FALSE(nothing->place);
+  EXPECT_LT(log_odds(nothing->fit), 0);
   EXPECT_FALSE(matcher.nearest_keyframe(on_street(kLength + 13, 0, 0)));
 }
 
