@@ -7,9 +7,9 @@
 #include "drivers/hesai/hesai_maker.hpp"
 #include "drivers/lidar/lidar_maker.hpp"
 #include "tests/allocation_counter.hpp"
-#include "tests/drivers/hesai/assemble.hpp"
 #include "tests/drivers/hesai/made_turns.hpp"
 #include "tests/drivers/hesai/oracle.hpp"
+#include "tests/drivers/lidar/assemble.hpp"
 
 namespace infuse::hesai {
 namespace {

@@ -13,8 +13,8 @@
 #include "drivers/hesai/calibration_file.hpp"
 #include "drivers/hesai/decoder.hpp"
 #include "drivers/hesai/hesai_maker.hpp"
-#include "tests/drivers/hesai/assemble.hpp"
 #include "tests/drivers/hesai/oracle.hpp"
+#include "tests/drivers/lidar/assemble.hpp"
 #include "tests/pcap_packets.hpp"
 #include "tests/real_data.hpp"
 

@@ -5,6 +5,7 @@
 #include "drivers/lidar/lidar_maker.hpp"
 #include "drivers/robosense/robosense_maker.hpp"
 #include "tests/allocation_counter.hpp"
+#include "tests/drivers/lidar/assemble.hpp"
 #include "tests/drivers/robosense/made_packet.hpp"
 #include "tests/drivers/robosense/oracle.hpp"
 

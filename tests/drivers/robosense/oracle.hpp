@@ -125,27 +125,6 @@ inline int plain_ring(const PlainAngles& angles, int channel) {
   return ring;
 }
 
-/// All sweeps that a decoder makes of these datagrams (any range of elements with `datagram()`),
-/// the last one included.
-template <class Datagrams>
-std::vector<Sweep> assemble(lidar::LidarDecoder& decoder, const Datagrams& datagrams) {
-  std::vector<Sweep> sweeps;
-  Sweep sweep;
-  const auto drain = [&] {
-    while (decoder.pull(sweep)) {
-      sweeps.push_back(std::move(sweep));
-      sweep = Sweep();
-    }
-  };
-  for (const auto& captured : datagrams) {
-    decoder.push(captured.datagram());
-    drain();
-  }
-  decoder.finish();
-  drain();
-  return sweeps;
-}
-
 /// Expects the sweeps' returns to be those of the firings, in order of firing: each by ring, range,
 /// reflectivity, kind and time exactly, elevation to 1e-4°, azimuth to 1e-3° once the origin of the
 /// beam, 34.98 mm before the axis, is taken off. Returns their number.

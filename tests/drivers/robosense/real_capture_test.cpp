@@ -13,6 +13,7 @@
 #include "drivers/lidar/lidar_maker.hpp"
 #include "drivers/robosense/decoder.hpp"
 #include "drivers/robosense/robosense_maker.hpp"
+#include "tests/drivers/lidar/assemble.hpp"
 #include "tests/drivers/robosense/oracle.hpp"
 #include "tests/pcap_packets.hpp"
 #include "tests/real_data.hpp"

@@ -2,6 +2,8 @@
 // ground plane of real captures with and without them.
 
 #include "drivers/velodyne/beam_origins.hpp"
+#include "drivers/velodyne/decoder.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +12,8 @@
 #include <random>
 
 #include "drivers/measurement/angles.hpp"
-#include "tests/drivers/velodyne/assemble.hpp"
+#include "tests/drivers/lidar/assemble.hpp"
+#include "tests/drivers/velodyne/share.hpp"
 #include "tests/pcap_packets.hpp"
 #include "tests/real_data.hpp"
 

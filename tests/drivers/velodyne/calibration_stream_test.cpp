@@ -1,9 +1,11 @@
 #include "drivers/velodyne/calibration_stream.hpp"
+#include "drivers/velodyne/decoder.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
 
 #include <gtest/gtest.h>
 
 #include "fixtures/velodyne/status_stream.hpp"
-#include "tests/drivers/velodyne/assemble.hpp"
+#include "tests/drivers/lidar/assemble.hpp"
 #include "tests/drivers/velodyne/oracle.hpp"
 
 namespace infuse::velodyne {

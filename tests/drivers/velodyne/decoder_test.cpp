@@ -1,5 +1,6 @@
 #include "drivers/velodyne/decoder.hpp"
 #include "drivers/measurement/angles.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +9,9 @@
 #include <stdexcept>
 
 #include "fixtures/lidar/little_endian.hpp"
-#include "tests/drivers/velodyne/assemble.hpp"
+#include "tests/drivers/lidar/assemble.hpp"
 #include "tests/drivers/velodyne/oracle.hpp"
+#include "tests/drivers/velodyne/share.hpp"
 
 namespace infuse::velodyne {
 namespace {

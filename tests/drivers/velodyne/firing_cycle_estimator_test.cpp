@@ -1,8 +1,10 @@
 #include "drivers/velodyne/firing_cycle_estimator.hpp"
+#include "drivers/velodyne/decoder.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
 
 #include <gtest/gtest.h>
 
-#include "tests/drivers/velodyne/assemble.hpp"
+#include "tests/drivers/lidar/assemble.hpp"
 #include "tests/drivers/velodyne/oracle.hpp"
 
 namespace infuse::velodyne {

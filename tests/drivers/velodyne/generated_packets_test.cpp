@@ -6,8 +6,11 @@
 #include <string>
 
 #include "drivers/measurement/angles.hpp"
-#include "tests/drivers/velodyne/assemble.hpp"
+#include "drivers/velodyne/decoder.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
+#include "tests/drivers/lidar/assemble.hpp"
 #include "tests/drivers/velodyne/oracle.hpp"
+#include "tests/drivers/velodyne/share.hpp"
 
 namespace infuse::velodyne {
 namespace {

@@ -13,9 +13,11 @@
 
 #include "drivers/measurement/angles.hpp"
 #include "drivers/velodyne/beam_origins.hpp"
+#include "drivers/velodyne/decoder.hpp"
 #include "drivers/velodyne/model_inference.hpp"
 #include "drivers/velodyne/position_packet.hpp"
-#include "tests/drivers/velodyne/assemble.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
+#include "tests/drivers/lidar/assemble.hpp"
 #include "tests/pcap_packets.hpp"
 #include "tests/real_data.hpp"
 

@@ -1,10 +1,12 @@
 #include "drivers/velodyne/return_kernel.hpp"
+#include "drivers/velodyne/decoder.hpp"
+#include "drivers/velodyne/velodyne_maker.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cstring>
 
-#include "tests/drivers/velodyne/assemble.hpp"
+#include "tests/drivers/lidar/assemble.hpp"
 #include "tests/drivers/velodyne/oracle.hpp"
 
 namespace infuse::velodyne {

@@ -5,7 +5,7 @@
 #include "drivers/lidar/lidar_decoder.hpp"
 #include "drivers/measurement/sweep.hpp"
 
-namespace infuse::hesai {
+namespace infuse::lidar {
 
 /// All sweeps that a decoder makes of these datagrams (any range of elements with `datagram()`),
 /// the last one included.
@@ -28,4 +28,4 @@ std::vector<Sweep> assemble(lidar::LidarDecoder& decoder, const Datagrams& datag
   return sweeps;
 }
 
-}  // namespace infuse::hesai
+}  // namespace infuse::lidar
