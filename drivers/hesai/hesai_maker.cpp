@@ -1,33 +1,32 @@
 #include "drivers/hesai/hesai_maker.hpp"
 
-#include <array>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include "drivers/gnss/nmea.hpp"
 #include "drivers/hesai/calibration_file.hpp"
 #include "drivers/hesai/decoder.hpp"
 #include "drivers/hesai/firing_times.hpp"
 #include "drivers/hesai/gps_packet.hpp"
-#include "drivers/hesai/model_inference.hpp"
+#include "drivers/hesai/packet.hpp"
 #include "drivers/lidar/lidar_maker.hpp"
 #include "drivers/lidar/little_endian.hpp"
 
 namespace infuse::hesai {
 namespace {
 
+std::vector<lidar::LidarModel> lidar_models() {
+  std::vector<lidar::LidarModel> list;
+  for (const ModelInfo& info : models()) {
+    list.push_back({.name = info.name, .beams = info.lasers, .has_dual_return = true});
+  }
+  return list;
+}
+
 class Maker final : public lidar::LidarMaker {
  public:
-  Maker() {
-    for (const ModelInfo& info : hesai::models()) {
-      models_[static_cast<size_t>(info.model)] = {.maker = this,
-                                                  .name = info.name,
-                                                  .beams = info.lasers,
-                                                  .calibrated_per_unit = false,
-                                                  .has_dual_return = true};
-    }
-  }
-
-  const char* name() const override { return "Hesai"; }
-  std::span<const lidar::LidarModel> models() const override { return models_; }
+  Maker() : LidarMaker("Hesai", {.data = 2368, .information = 10110}, lidar_models()) {}
 
   lidar::PacketClass classify(std::span<const uint8_t> payload) const override {
     if (looks_like_hesai(payload)) return lidar::PacketClass::kData;
@@ -35,19 +34,29 @@ class Maker final : public lidar::LidarMaker {
     return lidar::PacketClass::kOther;
   }
 
-  std::unique_ptr<lidar::ModelInference> make_inference() const override {
-    return std::make_unique<ModelInference>();
+  std::optional<lidar::StatedPacket> read_stated(std::span<const uint8_t> payload) const override {
+    const auto model = recognise(payload);
+    if (!model) return std::nullopt;
+    const auto packet = parse_packet(model_info(*model), payload);
+    if (!packet) return std::nullopt;
+    return lidar::StatedPacket{&lidar_model(*model), Duration(packet->utc_ns), packet->azimuth[0]};
   }
 
-  Result<std::unique_ptr<lidar::LidarDecoder>> make_decoder(
-      const lidar::DecoderOptions& options) const override {
-    if (const auto wrong = options.invalid()) return fail(*wrong, options.model->name);
-    if (options.calibration != nullptr) {
-      const auto* unit = dynamic_cast<const UnitCalibration*>(options.calibration.get());
-      if (unit == nullptr || unit->model != model_of(*options.model)) {
-        return fail("the calibration is another model's", options.model->name);
-      }
+  std::string describe(std::span<const uint8_t> payload) const override {
+    const auto model = recognise(payload);
+    if (!model) return "";
+    const ModelInfo& info = model_info(*model);
+    const auto packet = parse_layout(info, payload);
+    if (!packet) return "";
+    std::string text;
+    if (info.protocol != 0) {
+      text = "protocol " + std::to_string(payload[2]) + "." + std::to_string(payload[3]) + ", ";
     }
+    return text + name_of(packet->mode) + (packet->returns > 1 ? " returns" : " return");
+  }
+
+  Result<std::unique_ptr<lidar::LidarDecoder>> new_decoder(
+      const lidar::DecoderOptions& options) const override {
     return std::make_unique<Decoder>(options);
   }
 
@@ -58,8 +67,6 @@ class Maker final : public lidar::LidarMaker {
     if (!loaded) return tl::unexpected(loaded.error());
     return std::make_shared<UnitCalibration>(of_unit, *loaded);
   }
-
-  lidar::LidarPorts ports() const override { return {.data = 2368, .information = 10110}; }
 
   std::optional<GnssFix> read_fix(const Datagram& datagram) const override {
     const auto packet = parse_gps_packet(datagram.payload);
@@ -73,27 +80,6 @@ class Maker final : public lidar::LidarMaker {
     const ModelInfo& info = model_info(*model);
     return lidar::read_u16(payload.data() + info.header_size + info.block_prefix - 2);
   }
-
-  lidar::BeamPattern beam_pattern(const lidar::LidarModel& model) const override {
-    const ModelInfo& info = model_info(model_of(model));
-    if (number_of_loops(info.model) > 1) return {};
-    const Calibration& calibration = built_in_calibration(info.model);
-    const auto rings = calibration.rings(info);
-    const FiringTimes times = firing_times(info.model, 0);
-    lidar::BeamPattern pattern{info.lasers, 1, info.period, {}};
-    for (uint16_t channel = 0; channel < info.lasers; ++channel) {
-      const BeamAngles& beam = calibration.beams[channel];
-      pattern.slots.push_back({.beam = channel,
-                               .ring = rings[channel],
-                               .time_ns = times.channel_ns[channel] - times.first_ns,
-                               .elevation = beam.elevation,
-                               .azimuth = beam.azimuth_offset});
-    }
-    return pattern;
-  }
-
- private:
-  std::array<lidar::LidarModel, 7> models_;
 };
 
 }  // namespace
@@ -108,7 +94,7 @@ const lidar::LidarModel& lidar_model(Model model) {
 }
 
 Model model_of(const lidar::LidarModel& model) {
-  return static_cast<Model>(&model - maker().models().data());
+  return static_cast<Model>(maker().index_of(model));
 }
 
 }  // namespace infuse::hesai

@@ -18,8 +18,7 @@ Model model_of(const lidar::LidarModel& model);
 /// A calibration of one Hesai lidar as the decoder's options carry it.
 struct UnitCalibration final : lidar::UnitCalibration {
   UnitCalibration(Model of_model, const Calibration& of_unit)
-      : model(of_model), calibration(of_unit) {}
-  Model model;
+      : lidar::UnitCalibration(&lidar_model(of_model)), calibration(of_unit) {}
   Calibration calibration;
 };
 

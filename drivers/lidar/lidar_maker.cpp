@@ -1,6 +1,9 @@
 #include "drivers/lidar/lidar_maker.hpp"
 
 #include <cctype>
+#include <utility>
+
+#include "drivers/lidar/stated_model_inference.hpp"
 
 namespace infuse::lidar {
 namespace {
@@ -22,6 +25,21 @@ bool is_same_name(std::string_view a, std::string_view b) {
 
 }  // namespace
 
+LidarMaker::LidarMaker(const char* name, LidarPorts ports, std::vector<LidarModel> models)
+    : name_(name), ports_(ports), models_(std::move(models)) {
+  for (LidarModel& model : models_) model.maker = this;
+}
+
+std::optional<StatedPacket> LidarMaker::read_stated(std::span<const uint8_t>) const {
+  return std::nullopt;
+}
+
+std::string LidarMaker::describe(std::span<const uint8_t>) const { return ""; }
+
+std::unique_ptr<ModelInference> LidarMaker::make_inference() const {
+  return std::make_unique<StatedModelInference>(*this);
+}
+
 Result<std::shared_ptr<const UnitCalibration>> LidarMaker::load_calibration(
     const LidarModel& model, const std::filesystem::path& file) const {
   return fail("a " + std::string(model.name) + " has no calibration file", file.string());
@@ -35,7 +53,10 @@ Result<std::optional<StatedModel>> LidarMaker::find_calibration(const std::files
   return std::nullopt;
 }
 
-uint16_t LidarMaker::first_azimuth(std::span<const uint8_t>) const { return 0; }
+uint16_t LidarMaker::first_azimuth(std::span<const uint8_t> payload) const {
+  const auto packet = read_stated(payload);
+  return packet ? static_cast<uint16_t>(packet->azimuth) : uint16_t{0};
+}
 
 std::optional<FoundPacket> LidarMaker::find_packet(std::span<const uint8_t>) const {
   return std::nullopt;
@@ -46,8 +67,6 @@ std::vector<uint8_t> LidarMaker::example_packet(const LidarModel&, uint32_t, dou
 }
 
 Duration LidarMaker::example_period(const LidarModel&) const { return Duration(0); }
-
-BeamPattern LidarMaker::beam_pattern(const LidarModel&) const { return {}; }
 
 const LidarModel* find_model(MakerList makers, std::string_view name) {
   for (const LidarMaker* maker : makers) {
@@ -67,7 +86,11 @@ ClassifiedPacket classify(MakerList makers, std::span<const uint8_t> payload) {
 }
 
 Result<std::unique_ptr<LidarDecoder>> make_decoder(const DecoderOptions& options) {
-  return options.model->maker->make_decoder(options);
+  if (const auto wrong = options.invalid()) return fail(*wrong, options.model->name);
+  if (options.calibration != nullptr && options.calibration->model != options.model) {
+    return fail("the calibration is another model's", options.model->name);
+  }
+  return options.model->maker->new_decoder(options);
 }
 
 }  // namespace infuse::lidar

@@ -6,10 +6,10 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
-#include "drivers/lidar/beam_pattern.hpp"
 #include "drivers/lidar/decoder_options.hpp"
 #include "drivers/lidar/lidar_decoder.hpp"
 #include "drivers/lidar/lidar_model.hpp"
@@ -53,28 +53,53 @@ struct StatedModel {
   std::filesystem::path calibration;  ///< the file, or what else names it
 };
 
-/// A maker of lidars: what its packets are. Stateless; one object for each maker, in the list of
-/// `drivers/makers`, by which alone the program knows it.
+/// What a data packet states of its sensor.
+struct StatedPacket {
+  const LidarModel* model = nullptr;  ///< null: one that is not known
+  Duration counter{0};                ///< device time of the first firing, which never wraps
+  int azimuth = 0;                    ///< 0.01°, of the first firing
+};
+
+/// A maker of lidars: what its packets are. One object for each maker, in the list of
+/// `drivers/makers`, by which alone the program knows it; nothing changes it.
 class LidarMaker {
  public:
+  LidarMaker(const LidarMaker&) = delete;
+  LidarMaker& operator=(const LidarMaker&) = delete;
   virtual ~LidarMaker() = default;
 
   /// "Velodyne".
-  virtual const char* name() const = 0;
+  const char* name() const { return name_; }
 
   /// The models, whose address never changes.
-  virtual std::span<const LidarModel> models() const = 0;
+  std::span<const LidarModel> models() const { return models_; }
+
+  /// Place of a model in the list.
+  size_t index_of(const LidarModel& model) const {
+    return static_cast<size_t>(&model - models_.data());
+  }
+
+  /// Ports as they come from the factory.
+  LidarPorts ports() const { return ports_; }
 
   /// Kind of a datagram's payload, by its size and first bytes: fast, and never wrong for packets
   /// of this maker.
   virtual PacketClass classify(std::span<const uint8_t> payload) const = 0;
 
-  /// An object that infers the model from data packets.
-  virtual std::unique_ptr<ModelInference> make_inference() const = 0;
+  /// What a data packet states; nothing if the payload is none, or if packets of this maker state
+  /// no model.
+  virtual std::optional<StatedPacket> read_stated(std::span<const uint8_t> payload) const;
 
-  /// A decoder for one sensor. Errors: invalid options, a calibration that the model needs or that
-  /// is not its own.
-  virtual Result<std::unique_ptr<LidarDecoder>> make_decoder(
+  /// What a packet of any kind states of its sensor's firmware, mode and clock, for people:
+  /// "protocol 6.1, strongest return". Empty: nothing.
+  virtual std::string describe(std::span<const uint8_t> payload) const;
+
+  /// An object that infers the model from data packets; by default from what they state.
+  virtual std::unique_ptr<ModelInference> make_inference() const;
+
+  /// Makes a decoder. The options are valid, and their calibration is of their model: see
+  /// `make_decoder`. Errors: the model needs a calibration.
+  virtual Result<std::unique_ptr<LidarDecoder>> new_decoder(
       const DecoderOptions& options) const = 0;
 
   /// Reads the calibration of a unit of this model from a file.
@@ -92,9 +117,6 @@ class LidarMaker {
                                                               const std::filesystem::path& stated,
                                                               const ModelInference& packets) const;
 
-  /// Ports as they come from the factory.
-  virtual LidarPorts ports() const { return {}; }
-
   /// Bytes of the longest payload of a datagram.
   virtual size_t max_datagram() const { return 2048; }
 
@@ -102,7 +124,7 @@ class LidarMaker {
   /// earlier packets held it already.
   virtual std::optional<GnssFix> read_fix(const Datagram& datagram) const;
 
-  /// Azimuth at which a data packet begins, 0.01°, clockwise.
+  /// Azimuth at which a data packet begins, 0.01°, clockwise; by default as it states it.
   virtual uint16_t first_azimuth(std::span<const uint8_t> payload) const;
 
   /// Message in which ROS drivers publish the data packets.
@@ -120,8 +142,14 @@ class LidarMaker {
   /// Time from one such packet to the next.
   virtual Duration example_period(const LidarModel& model) const;
 
-  /// The beams of a model, for the simulator; without slots: it is not simulated.
-  virtual BeamPattern beam_pattern(const LidarModel& model) const;
+ protected:
+  /// The models need not name their maker.
+  LidarMaker(const char* name, LidarPorts ports, std::vector<LidarModel> models);
+
+ private:
+  const char* name_;
+  LidarPorts ports_;
+  std::vector<LidarModel> models_;
 };
 
 /// A list of makers. Where packets of two are alike, the first one's `classify` decides.
@@ -140,7 +168,8 @@ struct ClassifiedPacket {
 /// Kind of a datagram's payload, by the first maker that knows it.
 ClassifiedPacket classify(MakerList makers, std::span<const uint8_t> payload);
 
-/// Makes a decoder of the options' model, which must be set.
+/// Makes a decoder of the options' model, which must be set. Errors: invalid options, a calibration
+/// that the model needs or that is not its own.
 Result<std::unique_ptr<LidarDecoder>> make_decoder(const DecoderOptions& options);
 
 }  // namespace infuse::lidar

@@ -11,11 +11,15 @@ enum class CalibrationSource : uint8_t {
   kStream,   ///< from the sensor itself
 };
 
-/// Calibration of one unit, in its maker's own terms: what `LidarMaker::load_calibration` has read
-/// from a file, or a decoder from the sensor's packets.
-class UnitCalibration {
- public:
+struct LidarModel;
+
+/// Calibration of one unit of a model, in its maker's own terms: what
+/// `LidarMaker::load_calibration` has read from a file, or a decoder from the sensor's packets.
+struct UnitCalibration {
+  explicit UnitCalibration(const LidarModel* of_model) : model(of_model) {}
   virtual ~UnitCalibration() = default;
+
+  const LidarModel* const model;
 };
 
 }  // namespace infuse::lidar

@@ -32,4 +32,24 @@ Kernel* select_variant(InstructionSet set, Kernel* baseline, Kernel* avx2, Kerne
   return baseline;
 }
 
+/// The variants of a kernel of this type. `Body::run` is the kernel, and must be inlined always, so
+/// that each variant compiles it with its own instructions.
+template <class Body, class Kernel>
+struct KernelVariants;
+
+template <class Body, class Result, class... Arguments>
+struct KernelVariants<Body, Result (*)(Arguments...)> {
+  static Result baseline(Arguments... arguments) { return Body::run(arguments...); }
+
+#ifdef __x86_64__
+  [[gnu::target("avx2")]] static Result avx2(Arguments... arguments) {
+    return Body::run(arguments...);
+  }
+#else
+  static constexpr auto avx2 = baseline;
+#endif
+
+  static auto select(InstructionSet set) { return select_variant(set, baseline, avx2, avx2); }
+};
+
 }  // namespace infuse

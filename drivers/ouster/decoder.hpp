@@ -1,18 +1,18 @@
 #pragma once
 
 #include <memory>
-#include <utility>
 
 #include "drivers/lidar/lidar_decoder.hpp"
 #include "drivers/ouster/metadata.hpp"
+#include "drivers/ouster/ouster_maker.hpp"
 #include "drivers/ouster/packet.hpp"
 
 namespace infuse::ouster {
 
 /// A unit's calibration: its metadata.
-class UnitCalibration final : public lidar::UnitCalibration {
- public:
-  explicit UnitCalibration(Metadata unit) : metadata(std::move(unit)) {}
+struct UnitCalibration final : lidar::UnitCalibration {
+  explicit UnitCalibration(const Metadata& unit)
+      : lidar::UnitCalibration(model_of(unit)), metadata(unit) {}
   const Metadata metadata;
 };
 

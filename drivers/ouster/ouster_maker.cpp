@@ -87,16 +87,20 @@ std::vector<std::filesystem::path> metadata_files(const std::filesystem::path& c
   return files;
 }
 
+std::vector<lidar::LidarModel> lidar_models() {
+  std::vector<lidar::LidarModel> list;
+  for (const ModelName& model : kModels) {
+    list.push_back({.name = model.name,
+                    .beams = model.beams,
+                    .calibrated_per_unit = true,
+                    .has_dual_return = true});
+  }
+  return list;
+}
+
 class Maker final : public lidar::LidarMaker {
  public:
-  Maker() {
-    for (size_t i = 0; i < kModels.size(); ++i) {
-      models_[i] = {this, kModels[i].name, kModels[i].beams, true, true};
-    }
-  }
-
-  const char* name() const override { return "Ouster"; }
-  std::span<const lidar::LidarModel> models() const override { return models_; }
+  Maker() : LidarMaker("Ouster", {.data = 7502, .information = 7503}, lidar_models()) {}
 
   lidar::PacketClass classify(std::span<const uint8_t> payload) const override {
     if (is_imu_packet(payload)) return lidar::PacketClass::kInertial;
@@ -107,12 +111,9 @@ class Maker final : public lidar::LidarMaker {
     return std::make_unique<PacketInference>();
   }
 
-  Result<std::unique_ptr<lidar::LidarDecoder>> make_decoder(
+  Result<std::unique_ptr<lidar::LidarDecoder>> new_decoder(
       const lidar::DecoderOptions& options) const override {
-    if (const auto wrong = options.invalid()) return fail(*wrong, options.model->name);
     if (options.calibration == nullptr) return missing_metadata(options.model->name);
-    const auto* unit = dynamic_cast<const UnitCalibration*>(options.calibration.get());
-    if (unit == nullptr) return fail("the calibration is not an Ouster's", options.model->name);
     return std::make_unique<Decoder>(options);
   }
 
@@ -143,7 +144,6 @@ class Maker final : public lidar::LidarMaker {
     return missing_metadata(capture.string(), reason);
   }
 
-  lidar::LidarPorts ports() const override { return {7502, 7503}; }
   size_t max_datagram() const override { return 33'024; }
 
  private:
@@ -152,12 +152,6 @@ class Maker final : public lidar::LidarMaker {
     return fail("the sensor's metadata is missing" + (reason.empty() ? "" : ": " + reason), where,
                 "store what it gives at http://ADDRESS/api/v1/sensor/metadata as NAME.json beside "
                 "NAME.pcap, or name the file or http://ADDRESS by calibration");
-  }
-
-  /// The model that metadata states; null if it is none of the list.
-  const lidar::LidarModel* model_of(const Metadata& metadata) const {
-    const lidar::LidarMaker* const list[] = {this};
-    return lidar::find_model(list, metadata.model());
   }
 
   Result<std::optional<lidar::StatedModel>> read_model(const std::filesystem::path& file) const {
@@ -169,8 +163,6 @@ class Maker final : public lidar::LidarMaker {
     }
     return lidar::StatedModel{model, file};
   }
-
-  std::array<lidar::LidarModel, kModels.size()> models_;
 };
 
 }  // namespace
@@ -178,6 +170,11 @@ class Maker final : public lidar::LidarMaker {
 const lidar::LidarMaker& maker() {
   static const Maker maker;
   return maker;
+}
+
+const lidar::LidarModel* model_of(const Metadata& metadata) {
+  const lidar::LidarMaker* const list[] = {&maker()};
+  return lidar::find_model(list, metadata.model());
 }
 
 }  // namespace infuse::ouster

@@ -100,56 +100,37 @@ INFUSE_INLINE size_t append_pixels(const Beams& beams, const uint8_t* pixels, co
 }
 
 template <Profile kProfile>
-INFUSE_INLINE size_t decode(const BeamTable& table, std::span<const ColumnPixels> columns,
-                            FirstReturn first_return, const lidar::ReturnArrays& arrays, size_t n) {
-  const lidar::ReturnArrays out = arrays;
-  const Kinds kinds = kinds_of(first_return);
-  for (const ColumnPixels& column : columns) {
-    const size_t first = size_t{column.measurement_id} * table.beams;
-    Beams beams{};
-    beams.origin_x = Floats{} + table.origin_x[column.measurement_id];
-    beams.origin_y = Floats{} + table.origin_y[column.measurement_id];
-    beams.origin_z = Floats{} + table.origin_z[column.measurement_id];
-    beams.beam_radius = table.beam_radius;
-    beams.group.column = column.column;
-    beams.group.time = Ints{} + column.time_offset_ns;
-    for (size_t beam = 0; beam < table.beams; beam += kLanes) {
-      beams.direction_x = load<Floats>(&table.direction_x[first + beam]);
-      beams.direction_y = load<Floats>(&table.direction_y[first + beam]);
-      beams.direction_z = load<Floats>(&table.direction_z[first + beam]);
-      beams.group.ring = load<Ints>(&table.ring[beam]);
-      const uint8_t* pixels = column.pixels + beam * profile_info(kProfile).pixel_bytes;
-      n = append_pixels<kProfile>(beams, pixels, kinds, out, n);
+struct Decode {
+  INFUSE_INLINE static size_t run(const BeamTable& table, std::span<const ColumnPixels> columns,
+                                  FirstReturn first_return, const lidar::ReturnArrays& arrays,
+                                  size_t n) {
+    const lidar::ReturnArrays out = arrays;
+    const Kinds kinds = kinds_of(first_return);
+    for (const ColumnPixels& column : columns) {
+      const size_t first = size_t{column.measurement_id} * table.beams;
+      Beams beams{};
+      beams.origin_x = Floats{} + table.origin_x[column.measurement_id];
+      beams.origin_y = Floats{} + table.origin_y[column.measurement_id];
+      beams.origin_z = Floats{} + table.origin_z[column.measurement_id];
+      beams.beam_radius = table.beam_radius;
+      beams.group.column = column.column;
+      beams.group.time = Ints{} + column.time_offset_ns;
+      for (size_t beam = 0; beam < table.beams; beam += kLanes) {
+        beams.direction_x = load<Floats>(&table.direction_x[first + beam]);
+        beams.direction_y = load<Floats>(&table.direction_y[first + beam]);
+        beams.direction_z = load<Floats>(&table.direction_z[first + beam]);
+        beams.group.ring = load<Ints>(&table.ring[beam]);
+        const uint8_t* pixels = column.pixels + beam * profile_info(kProfile).pixel_bytes;
+        n = append_pixels<kProfile>(beams, pixels, kinds, out, n);
+      }
     }
+    return n;
   }
-  return n;
-}
-
-template <Profile kProfile>
-size_t decode_baseline(const BeamTable& table, std::span<const ColumnPixels> columns,
-                       FirstReturn first_return, const lidar::ReturnArrays& out, size_t n) {
-  return decode<kProfile>(table, columns, first_return, out, n);
-}
-
-#ifdef __x86_64__
-template <Profile kProfile>
-[[gnu::target("avx2")]] size_t decode_avx2(const BeamTable& table,
-                                           std::span<const ColumnPixels> columns,
-                                           FirstReturn first_return, const lidar::ReturnArrays& out,
-                                           size_t n) {
-  return decode<kProfile>(table, columns, first_return, out, n);
-}
-#endif
+};
 
 template <Profile kProfile>
 ReturnKernel select(InstructionSet set) {
-#ifdef __x86_64__
-  return select_variant(set, decode_baseline<kProfile>, decode_avx2<kProfile>,
-                        decode_avx2<kProfile>);
-#else
-  return select_variant(set, decode_baseline<kProfile>, decode_baseline<kProfile>,
-                        decode_baseline<kProfile>);
-#endif
+  return KernelVariants<Decode<kProfile>, ReturnKernel>::select(set);
 }
 
 }  // namespace

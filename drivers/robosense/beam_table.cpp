@@ -10,7 +10,6 @@ namespace {
 
 constexpr int kMaxTurnsPerSecond = 30;
 constexpr int32_t kFiringPeriodNs = 55'556;
-constexpr double kOriginM = 0.03498;
 constexpr size_t kSteps = 128;
 
 // Firing times of the channels, ns: the manuals' appendix on the time of a point. With one return

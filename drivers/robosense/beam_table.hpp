@@ -8,6 +8,9 @@
 
 namespace infuse::robosense {
 
+/// Distance of the beams' origins from the axis of rotation, m.
+inline constexpr double kOriginM = 0.03498;
+
 /// Packet-independent data of one sensor's beams, laid out for the decoder by *slot*: the place of
 /// a unit in a block of one return. Of an RS-Helios-16P the slots 16 … 31 are the second firing of
 /// its 16 channels.

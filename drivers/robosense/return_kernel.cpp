@@ -76,33 +76,19 @@ INFUSE_INLINE size_t decode_firings(const BeamTable& table, std::span<const Firi
   return n;
 }
 
-INFUSE_INLINE size_t decode(const BeamTable& table, std::span<const Firing> firings,
-                            const UnitLayout& layout, const lidar::ReturnArrays& out, size_t n) {
-  return layout.returns == 1 ? decode_firings<false>(table, firings, layout, out, n)
-                             : decode_firings<true>(table, firings, layout, out, n);
-}
-
-size_t decode_baseline(const BeamTable& table, std::span<const Firing> firings,
-                       const UnitLayout& layout, const lidar::ReturnArrays& out, size_t n) {
-  return decode(table, firings, layout, out, n);
-}
-
-#ifdef __x86_64__
-[[gnu::target("avx2")]] size_t decode_avx2(const BeamTable& table, std::span<const Firing> firings,
-                                           const UnitLayout& layout, const lidar::ReturnArrays& out,
-                                           size_t n) {
-  return decode(table, firings, layout, out, n);
-}
-#endif
+struct Decode {
+  INFUSE_INLINE static size_t run(const BeamTable& table, std::span<const Firing> firings,
+                                  const UnitLayout& layout, const lidar::ReturnArrays& out,
+                                  size_t n) {
+    return layout.returns == 1 ? decode_firings<false>(table, firings, layout, out, n)
+                               : decode_firings<true>(table, firings, layout, out, n);
+  }
+};
 
 }  // namespace
 
 ReturnKernel return_kernel(InstructionSet set) {
-#ifdef __x86_64__
-  return select_variant(set, decode_baseline, decode_avx2, decode_avx2);
-#else
-  return select_variant(set, decode_baseline, decode_baseline, decode_baseline);
-#endif
+  return KernelVariants<Decode, ReturnKernel>::select(set);
 }
 
 }  // namespace infuse::robosense

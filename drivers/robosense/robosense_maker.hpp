@@ -21,8 +21,7 @@ Model model_of(const lidar::LidarModel& model);
 /// What the information packets of one RoboSense lidar state, as the decoder's options carry it.
 struct UnitCalibration final : lidar::UnitCalibration {
   UnitCalibration(Model of_model, const Calibration& of_unit, std::optional<ReturnMode> of_packets)
-      : model(of_model), calibration(of_unit), mode(of_packets) {}
-  Model model;
+      : lidar::UnitCalibration(&lidar_model(of_model)), calibration(of_unit), mode(of_packets) {}
   Calibration calibration;
   std::optional<ReturnMode> mode;
 };

@@ -60,7 +60,7 @@ Decoder::Decoder(const lidar::DecoderOptions& options)
 
 std::shared_ptr<const lidar::UnitCalibration> Decoder::streamed_calibration() const {
   if (calibration_source() != lidar::CalibrationSource::kStream) return nullptr;
-  return std::make_shared<UnitCalibration>(calibration_);
+  return std::make_shared<UnitCalibration>(info_.model, calibration_);
 }
 
 const char* Decoder::parse(std::span<const uint8_t> payload, lidar::PacketHeader& header) const {

@@ -118,38 +118,23 @@ INFUSE_INLINE size_t decode_all(const BeamTable& table, std::span<const Sequence
   return n;
 }
 
-INFUSE_INLINE size_t decode(const BeamTable& table, std::span<const SequenceBlocks> sequences,
-                            EchoKinds kinds, const ReturnArrays& out, size_t n) {
-  const bool dual = !sequences.empty() && sequences.front().echo_stride != 0;
-  if (table.info->calibrated_per_unit) {
-    return dual ? decode_all<true, true>(table, sequences, kinds, out, n)
-                : decode_all<true, false>(table, sequences, kinds, out, n);
+struct Decode {
+  INFUSE_INLINE static size_t run(const BeamTable& table, std::span<const SequenceBlocks> sequences,
+                                  EchoKinds kinds, const ReturnArrays& out, size_t n) {
+    const bool dual = !sequences.empty() && sequences.front().echo_stride != 0;
+    if (table.info->calibrated_per_unit) {
+      return dual ? decode_all<true, true>(table, sequences, kinds, out, n)
+                  : decode_all<true, false>(table, sequences, kinds, out, n);
+    }
+    return dual ? decode_all<false, true>(table, sequences, kinds, out, n)
+                : decode_all<false, false>(table, sequences, kinds, out, n);
   }
-  return dual ? decode_all<false, true>(table, sequences, kinds, out, n)
-              : decode_all<false, false>(table, sequences, kinds, out, n);
-}
-
-size_t decode_baseline(const BeamTable& table, std::span<const SequenceBlocks> sequences,
-                       EchoKinds kinds, const ReturnArrays& out, size_t n) {
-  return decode(table, sequences, kinds, out, n);
-}
-
-#ifdef __x86_64__
-[[gnu::target("avx2")]] size_t decode_avx2(const BeamTable& table,
-                                           std::span<const SequenceBlocks> sequences,
-                                           EchoKinds kinds, const ReturnArrays& out, size_t n) {
-  return decode(table, sequences, kinds, out, n);
-}
-#endif
+};
 
 }  // namespace
 
 ReturnKernel return_kernel(InstructionSet set) {
-#ifdef __x86_64__
-  return select_variant(set, decode_baseline, decode_avx2, decode_avx2);
-#else
-  return select_variant(set, decode_baseline, decode_baseline, decode_baseline);
-#endif
+  return KernelVariants<Decode, ReturnKernel>::select(set);
 }
 
 }  // namespace infuse::velodyne

@@ -1,6 +1,7 @@
 #include "drivers/velodyne/velodyne_maker.hpp"
 
-#include <array>
+#include <memory>
+#include <vector>
 
 #include "drivers/gnss/nmea.hpp"
 #include "drivers/lidar/lidar_maker.hpp"
@@ -30,20 +31,20 @@ bool is_data_packet(std::span<const uint8_t> payload) {
   return azimuths > kBlocks / 2;
 }
 
+std::vector<lidar::LidarModel> lidar_models() {
+  std::vector<lidar::LidarModel> list;
+  for (const ModelInfo& info : models()) {
+    list.push_back({.name = info.name,
+                    .beams = info.lasers,
+                    .calibrated_per_unit = info.calibrated_per_unit,
+                    .has_dual_return = info.has_dual_return});
+  }
+  return list;
+}
+
 class Maker final : public lidar::LidarMaker {
  public:
-  Maker() {
-    for (const ModelInfo& info : velodyne::models()) {
-      models_[static_cast<size_t>(info.model)] = {.maker = this,
-                                                  .name = info.name,
-                                                  .beams = info.lasers,
-                                                  .calibrated_per_unit = info.calibrated_per_unit,
-                                                  .has_dual_return = info.has_dual_return};
-    }
-  }
-
-  const char* name() const override { return "Velodyne"; }
-  std::span<const lidar::LidarModel> models() const override { return models_; }
+  Maker() : LidarMaker("Velodyne", {.data = 2368, .information = 8308}, lidar_models()) {}
 
   lidar::PacketClass classify(std::span<const uint8_t> payload) const override {
     if (payload.size() == kPacketSize) return lidar::PacketClass::kData;
@@ -55,13 +56,8 @@ class Maker final : public lidar::LidarMaker {
     return std::make_unique<ModelInference>();
   }
 
-  Result<std::unique_ptr<lidar::LidarDecoder>> make_decoder(
+  Result<std::unique_ptr<lidar::LidarDecoder>> new_decoder(
       const lidar::DecoderOptions& options) const override {
-    if (const auto wrong = options.invalid()) return fail(*wrong, options.model->name);
-    if (options.calibration != nullptr &&
-        dynamic_cast<const UnitCalibration*>(options.calibration.get()) == nullptr) {
-      return fail("the calibration is not a Velodyne's", options.model->name);
-    }
     return std::make_unique<Decoder>(options);
   }
 
@@ -69,10 +65,11 @@ class Maker final : public lidar::LidarMaker {
       const lidar::LidarModel& model, const std::filesystem::path& file) const override {
     const auto loaded = load_db_xml(file);
     if (!loaded) return tl::unexpected(loaded.error());
-    if (const auto wrong = loaded->invalid(model_info(model_of(model)))) {
+    const Model of_unit = model_of(model);
+    if (const auto wrong = loaded->invalid(model_info(of_unit))) {
       return fail(*wrong, file.string(), "check that the file belongs to this model");
     }
-    return std::make_shared<UnitCalibration>(*loaded);
+    return std::make_shared<UnitCalibration>(of_unit, *loaded);
   }
 
   const char* calibration_file() const override { return "db.xml"; }
@@ -111,30 +108,6 @@ class Maker final : public lidar::LidarMaker {
     const ModelInfo& info = model_info(model_of(model));
     return packet_period(info, info.cycle, false);
   }
-
-  lidar::BeamPattern beam_pattern(const lidar::LidarModel& model) const override {
-    const ModelInfo& info = model_info(model_of(model));
-    const Calibration& calibration = built_in_calibration(info.model);
-    const auto rings = calibration.rings(info);
-    const auto times = firing_times(info, info.cycle);
-    lidar::BeamPattern pattern{info.lasers, info.firings, sequence_period(info, info.cycle), {}};
-    for (size_t i = 0; i < info.slots(); ++i) {
-      const auto laser = static_cast<uint16_t>(i % info.lasers);
-      const BeamCorrection& beam = calibration.beams[laser];
-      pattern.slots.push_back({.beam = laser,
-                               .ring = rings[laser],
-                               .column = static_cast<uint16_t>(i / info.lasers),
-                               .time_ns = times[i],
-                               .elevation = beam.elevation,
-                               .azimuth = -beam.rotation,
-                               .right_offset = -beam.horizontal_offset,
-                               .up_offset = beam.vertical_offset});
-    }
-    return pattern;
-  }
-
- private:
-  std::array<lidar::LidarModel, 7> models_;
 };
 
 }  // namespace
@@ -149,7 +122,7 @@ const lidar::LidarModel& lidar_model(Model model) {
 }
 
 Model model_of(const lidar::LidarModel& model) {
-  return static_cast<Model>(&model - maker().models().data());
+  return static_cast<Model>(maker().index_of(model));
 }
 
 std::optional<Model> find_model(std::string_view name) {

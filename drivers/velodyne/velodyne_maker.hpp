@@ -23,7 +23,8 @@ std::optional<Model> find_model(std::string_view name);
 
 /// A calibration of one Velodyne as the decoder's options carry it.
 struct UnitCalibration final : lidar::UnitCalibration {
-  explicit UnitCalibration(const Calibration& of_unit) : calibration(of_unit) {}
+  UnitCalibration(Model of_model, const Calibration& of_unit)
+      : lidar::UnitCalibration(&lidar_model(of_model)), calibration(of_unit) {}
   Calibration calibration;
 };
 

@@ -171,7 +171,7 @@ std::vector<int> our_ranges(Model model, const Input& input) {
   }
   velodyne::Decoder assembler(
       {.model = &velodyne::lidar_model(model),
-       .calibration = std::make_shared<velodyne::UnitCalibration>(uncorrected)});
+       .calibration = std::make_shared<velodyne::UnitCalibration>(model, uncorrected)});
   Sweep sweep;
   std::vector<int> ranges;
   const auto collect = [&] {

@@ -11,7 +11,7 @@
 #include "drivers/hesai/decoder.hpp"
 #include "drivers/hesai/gps_packet.hpp"
 #include "drivers/hesai/hesai_maker.hpp"
-#include "drivers/hesai/model_inference.hpp"
+#include "drivers/lidar/lidar_maker.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace infuse;
@@ -20,7 +20,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const ModelInfo& info = models()[data[0] % models().size()];
   const size_t packet_size = info.body_end() + info.tail.size + data[1];
   Decoder decoder({.model = &lidar_model(info.model), .cut_azimuth = static_cast<double>(data[0])});
-  ModelInference inference;
+  const auto inference = maker().make_inference();
   Sweep sweep;
   std::span<const uint8_t> rest(data + 2, size - 2);
   static_cast<void>(parse_angle_csv(
@@ -29,15 +29,15 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   Stamp stamp = Stamp::from_ns(1'700'000'000'000'000'000);
   while (!rest.empty()) {
     const auto payload = rest.first(std::min(rest.size(), packet_size));
-    inference.add(payload);
+    inference->add(payload);
     decoder.push({stamp, 1, 2368, 2368, payload});
     while (decoder.pull(sweep)) {
     }
     stamp += Duration(500'000);
     rest = rest.subspan(payload.size());
   }
-  static_cast<void>(inference.infer());
-  static_cast<void>(inference.describe());
+  static_cast<void>(inference->infer());
+  static_cast<void>(inference->describe());
   decoder.finish();
   while (decoder.pull(sweep)) {
   }

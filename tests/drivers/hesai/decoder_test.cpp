@@ -192,8 +192,8 @@ TEST(HesaiMaker, KnowsItsPackets) {
 TEST(HesaiMaker, RefusesAnotherModelsCalibration) {
   const auto unit =
       std::make_shared<UnitCalibration>(Model::kXt16, built_in_calibration(Model::kXt16));
-  EXPECT_TRUE(maker().make_decoder({.model = &lidar_model(Model::kXt16), .calibration = unit}));
-  EXPECT_FALSE(maker().make_decoder({.model = &lidar_model(Model::kXt32), .calibration = unit}));
+  EXPECT_TRUE(lidar::make_decoder({.model = &lidar_model(Model::kXt16), .calibration = unit}));
+  EXPECT_FALSE(lidar::make_decoder({.model = &lidar_model(Model::kXt32), .calibration = unit}));
 }
 
 }  // namespace

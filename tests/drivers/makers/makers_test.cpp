@@ -6,7 +6,7 @@
 #include "drivers/makers/capture_survey.hpp"
 #include "drivers/velodyne/packet.hpp"
 #include "drivers/velodyne/velodyne_maker.hpp"
-#include "tests/drivers/makers/made_up_maker.hpp"
+#include "tests/drivers/makers/made_up_packet.hpp"
 
 namespace infuse::makers {
 namespace {
@@ -50,7 +50,7 @@ TEST(Makers, TheListKnowsVelodyne) {
 }
 
 TEST(MadeUpMaker, GivesSweepsOfItsTurns) {
-  const auto decoder = made_up::maker().make_decoder({.model = &made_up::model()}).value();
+  const auto decoder = lidar::make_decoder({.model = &made_up::model()}).value();
   const std::vector<Sweep> sweeps = decode(*decoder, count_to(375));  // three turns
   ASSERT_EQ(sweeps.size(), 3U);
   for (size_t i = 0; i < 3; ++i) {
@@ -79,7 +79,7 @@ TEST(MadeUpMaker, LossesAndOrderAreThoseOfAllMakers) {
   received.erase(received.begin() + 200, received.begin() + 207);
   std::swap(received[50], received[51]);
   received.insert(received.begin() + 80, received[79]);
-  const auto decoder = made_up::maker().make_decoder({.model = &made_up::model()}).value();
+  const auto decoder = lidar::make_decoder({.model = &made_up::model()}).value();
   const std::vector<Sweep> sweeps = decode(*decoder, received);
   ASSERT_EQ(sweeps.size(), 3U);
   EXPECT_EQ(sweeps[1].lost_packets, 7U);
@@ -93,7 +93,7 @@ TEST(MadeUpMaker, LossesAndOrderAreThoseOfAllMakers) {
 
 /// Packets that are missing where the time jumps too are known by their numbers only.
 TEST(MadeUpMaker, NumbersOfPacketsTellLossesExactly) {
-  const auto decoder = made_up::maker().make_decoder({.model = &made_up::model()}).value();
+  const auto decoder = lidar::make_decoder({.model = &made_up::model()}).value();
   Sweep sweep;
   for (const uint32_t number : {0U, 1U, 4U, 5U}) {
     auto payload = made_up::packet(number, kStart, 10);
@@ -109,7 +109,7 @@ TEST(MadeUpMaker, NumbersOfPacketsTellLossesExactly) {
 }
 
 TEST(MadeUpMaker, AnImpossibleTimeIsMalformed) {
-  const auto decoder = made_up::maker().make_decoder({.model = &made_up::model()}).value();
+  const auto decoder = lidar::make_decoder({.model = &made_up::model()}).value();
   for (const uint8_t top : {uint8_t{0x80}, uint8_t{0x7F}}) {
     auto payload = made_up::packet(0, kStart, 10);
     payload[15] = top;

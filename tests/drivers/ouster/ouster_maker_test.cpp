@@ -89,7 +89,7 @@ TEST(OusterMaker, RefusesTheMetadataOfAnotherModelAndNone) {
   const auto loaded = maker().load_calibration(os1_64(), file);
   ASSERT_FALSE(loaded);
   EXPECT_THAT(loaded.error().message(), HasSubstr("a sensor OS2-64, not OS1-64"));
-  const auto decoder = maker().make_decoder({.model = &os1_64()});
+  const auto decoder = lidar::make_decoder({.model = &os1_64()});
   ASSERT_FALSE(decoder);
   EXPECT_THAT(decoder.error().message(), HasSubstr("metadata is missing"));
 }
@@ -100,10 +100,9 @@ TEST(OusterMaker, DecodesBothKindsOfPackets) {
                      "")
           .value();
   const auto decoder =
-      maker()
-          .make_decoder({.model = &os1_64(),
-                         .calibration = std::make_shared<UnitCalibration>(metadata),
-                         .cut_azimuth = 180})
+      lidar::make_decoder({.model = &os1_64(),
+                           .calibration = std::make_shared<UnitCalibration>(metadata),
+                           .cut_azimuth = 180})
           .value();
   // The master's time may be TAI, which is seconds from the host's.
   const int64_t device_begin = kHostBegin - 1'000'000'000;
@@ -144,9 +143,8 @@ TEST(OusterMaker, CountsWhatIsNotOfTheLayoutThatTheMetadataStates) {
   other.profile = "LEGACY";
   const auto packet = made_packet(parse_metadata(made_metadata(other), "").value(), {});
   const auto decoder =
-      maker()
-          .make_decoder(
-              {.model = &os1_64(), .calibration = std::make_shared<UnitCalibration>(metadata)})
+      lidar::make_decoder(
+          {.model = &os1_64(), .calibration = std::make_shared<UnitCalibration>(metadata)})
           .value();
   decoder->push({Stamp::from_ns(kHostBegin), 1, 7502, 7502, packet});
   EXPECT_EQ(decoder->counters().malformed, 1u);

@@ -201,8 +201,8 @@ TEST(RobosenseMaker, RefusesAnotherModelsCalibration) {
   const auto unit = std::make_shared<UnitCalibration>(
       Model::kHelios, built_in_calibration(Model::kHelios), ReturnMode::kLast);
   EXPECT_FALSE(
-      maker().make_decoder({.model = &lidar_model(Model::kHelios16p), .calibration = unit}));
-  EXPECT_TRUE(maker().make_decoder({.model = &lidar_model(Model::kHelios), .calibration = unit}));
+      lidar::make_decoder({.model = &lidar_model(Model::kHelios16p), .calibration = unit}));
+  EXPECT_TRUE(lidar::make_decoder({.model = &lidar_model(Model::kHelios), .calibration = unit}));
 }
 
 TEST(RobosenseMaker, InfersTheModelThatPacketsState) {

@@ -59,7 +59,7 @@ std::vector<Point> low_points(const std::filesystem::path& path, Model model,
                               const Calibration& calibration) {
   std::vector<CapturedDatagram> packets = read_capture(path);
   std::erase_if(packets, [](const auto& p) { return p.payload.size() != kPacketSize; });
-  Decoder decoder({.model = &lidar_model(model), .calibration = share(calibration)});
+  Decoder decoder({.model = &lidar_model(model), .calibration = share(model, calibration)});
   std::vector<Point> points;
   for (const Sweep& sweep : assemble(decoder, packets)) {
     for (size_t i = 0; i < sweep.size(); ++i) {

@@ -374,15 +374,15 @@ TEST(Decoder, OptionsReportWhatIsInvalid) {
   EXPECT_TRUE((lidar::DecoderOptions{.cut_azimuth = std::nan("")}).invalid());
   EXPECT_TRUE((lidar::DecoderOptions{.max_span = Duration(0)}).invalid());
   EXPECT_FALSE(
-      maker().make_decoder({.model = &lidar_model(Model::kHdl32e), .max_span = Duration(0)}));
+      lidar::make_decoder({.model = &lidar_model(Model::kHdl32e), .max_span = Duration(0)}));
 }
 
 TEST(Decoder, RefusesTheCalibrationOfAnotherMaker) {
   const lidar::LidarModel* model = &lidar_model(Model::kHdl64eS3);
-  const auto own = share(built_in_calibration(Model::kHdl64eS3));
-  EXPECT_TRUE(maker().make_decoder({.model = model, .calibration = own}));
-  const auto foreign = std::make_shared<lidar::UnitCalibration>();
-  EXPECT_FALSE(maker().make_decoder({.model = model, .calibration = foreign}));
+  const auto own = share(Model::kHdl64eS3, built_in_calibration(Model::kHdl64eS3));
+  EXPECT_TRUE(lidar::make_decoder({.model = model, .calibration = own}));
+  const auto foreign = std::make_shared<lidar::UnitCalibration>(nullptr);
+  EXPECT_FALSE(lidar::make_decoder({.model = model, .calibration = foreign}));
 }
 
 }  // namespace

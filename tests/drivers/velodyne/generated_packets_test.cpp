@@ -80,7 +80,8 @@ TEST_P(GeneratedPackets, EveryReturnHasTheExactPositionTimeAndKind) {
   options.calibration = built_in_calibration(param.model);
   const Scene scene = make_scene(options);
 
-  Decoder decoder({.model = &lidar_model(param.model), .calibration = share(options.calibration)});
+  Decoder decoder(
+      {.model = &lidar_model(param.model), .calibration = share(param.model, options.calibration)});
   const std::vector<Sweep> sweeps = assemble(decoder, scene.packets);
   EXPECT_EQ(decoder.counters().packets, scene.packets.size());
   EXPECT_EQ(decoder.counters().lost_network, 0U);

@@ -9,8 +9,8 @@ namespace infuse::velodyne {
 
 /// A calibration as the decoder's options carry it.
 inline std::shared_ptr<const lidar::UnitCalibration> share(
-    const std::optional<Calibration>& calibration) {
-  return calibration ? std::make_shared<UnitCalibration>(*calibration) : nullptr;
+    Model model, const std::optional<Calibration>& calibration) {
+  return calibration ? std::make_shared<UnitCalibration>(model, *calibration) : nullptr;
 }
 
 }  // namespace infuse::velodyne

@@ -8,7 +8,7 @@
 #include "drivers/makers/makers.hpp"
 #include "drivers/recording/pcap_writer.hpp"
 #include "tests/daemon/pipeline/run_replay.hpp"
-#include "tests/drivers/makers/made_up_maker.hpp"
+#include "tests/drivers/makers/made_up_packet.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace infuse::daemon {
