@@ -69,6 +69,10 @@ std::vector<LidarProblem> find_problems(const Device& device, const LidarCounter
                            c.turns_hz * to_seconds(active_duration(c))));
   problems.add(c.lost_network > 0, Level::kWarn,
                fmt::format("{} packets lost{}", c.lost_network, outages_text(c)));
+  problems.add(c.duplicates > c.packets / 100, Level::kWarn,
+               fmt::format("{} packets came twice, and were used once: they were captured at two "
+                           "places of their way, or two captures were joined",
+                           c.duplicates));
   problems.add(c.stray_azimuths > 0, Level::kWarn,
                fmt::format("{} azimuths are impossible or out of line, and were interpolated",
                            c.stray_azimuths));

@@ -164,6 +164,8 @@ Json to_json(const Inspection& inspection) {
     entry["sender"] = address_text(stream.sender);
     entry["port"] = stream.port;
     entry["last_size_bytes"] = stream.last_size;
+    if (stream.maker != nullptr) entry["maker"] = stream.maker->name();
+    if (!stream.statement.empty()) entry["states"] = stream.statement;
     json["streams"].push_back(std::move(entry));
   }
   for (const auto& [what, arrivals] : contents.other_streams) {
@@ -192,9 +194,12 @@ std::string to_text(const Inspection& inspection) {
   const auto& [path, contents, summary] = inspection;
   std::string text = path.string() + "\nstreams\n";
   for (const makers::Stream& stream : contents.survey.streams()) {
-    text += arrivals_text(fmt::format("{} from {} to port {}", name_of(stream.packet_class),
-                                      address_text(stream.sender), stream.port),
-                          stream.arrivals);
+    text += arrivals_text(
+        fmt::format("{} from {} to port {}{}", name_of(stream.packet_class),
+                    address_text(stream.sender), stream.port,
+                    stream.maker != nullptr ? fmt::format(" ({})", stream.maker->name()) : ""),
+        stream.arrivals);
+    if (!stream.statement.empty()) text += "    " + stream.statement + "\n";
   }
   for (const auto& [what, arrivals] : contents.other_streams) text += arrivals_text(what, arrivals);
   const std::string unread = contents.survey.describe_unread();

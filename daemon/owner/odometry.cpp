@@ -102,6 +102,13 @@ class Track {
     }
   }
 
+  /// Why there is no pose.
+  Error no_motion(const std::string& path) const {
+    const std::string reason = sweeps_ == 0 ? "its packets make no sweeps" : reason_;
+    return {"no motion was found" + (reason.empty() ? "" : ": " + reason), path,
+            "infuse inspect tells whether the lidar turns"};
+  }
+
   double median_speed() const {
     std::vector<double> sorted = speeds_;
     if (sorted.empty()) return 0;
@@ -136,7 +143,7 @@ int run(const OdometryArguments& arguments) {
   }
   track.print_notes();
   if (track.poses().empty()) {
-    return print_error(kProgram, {"no motion was found", arguments.path, ""}, kFailure);
+    return print_error(kProgram, track.no_motion(arguments.path), kFailure);
   }
   if (const auto written = text::write_text(arguments.output, recording::format_tum(track.poses()));
       !written) {

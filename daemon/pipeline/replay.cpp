@@ -17,8 +17,9 @@ void Replay::start() {
 
 std::vector<Error> Replay::notes() const {
   std::vector<Error> notes = setup_.source.notes();
-  const std::vector<Error>& dbc = setup_.vehicle.notes;
-  notes.insert(notes.end(), dbc.begin(), dbc.end());
+  for (const auto* more : {&setup_.doubts, &setup_.vehicle.notes}) {
+    notes.insert(notes.end(), more->begin(), more->end());
+  }
   const std::span<const Error> bus = pipeline_.intake().bus_problems().first();
   notes.insert(notes.end(), bus.begin(), bus.end());
   return notes;

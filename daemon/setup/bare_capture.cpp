@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "drivers/makers/makers.hpp"
 #include "drivers/recording/capture_reader.hpp"
 
 namespace infuse::daemon {
@@ -63,10 +64,25 @@ bool is_from(const recording::LidarFiles& files, const makers::Stream& stream, u
 
 /// True if the lidar's information packets carry fixes of a GNSS receiver.
 bool has_fixes(const makers::CaptureSurvey& survey, const recording::LidarFiles& files) {
-  return std::any_of(survey.streams().begin(), survey.streams().end(),
-                     [&](const makers::Stream& stream) {
-                       return stream.fixes > 0 && is_from(files, stream, files.position_port);
-                     });
+  return std::any_of(
+      survey.streams().begin(), survey.streams().end(), [&](const makers::Stream& stream) {
+        return stream.fixes > 0 &&
+               (is_from(files, stream, files.position_port) || is_from(files, stream, files.port));
+      });
+}
+
+/// Whose data come to this port as lidars leave the factory, if one maker's do: for packets that
+/// are of no known maker.
+std::string describe_port(uint16_t port) {
+  const lidar::LidarMaker* found = nullptr;
+  for (const lidar::LidarMaker* maker : makers::all()) {
+    if (maker->ports().data != port) continue;
+    if (found != nullptr) return "";
+    found = maker;
+  }
+  if (found == nullptr) return "";
+  return fmt::format(", which {}'s lidars use, but in no layout of packets that is known",
+                     found->name());
 }
 
 std::string describe_contents(const makers::CaptureSurvey& survey) {
@@ -75,9 +91,9 @@ std::string describe_contents(const makers::CaptureSurvey& survey) {
     return "it holds no complete UDP datagrams" + (unread.empty() ? "" : ", but " + unread);
   }
   const makers::Stream& stream = survey.streams().front();
-  return fmt::format("it holds e.g. {} datagrams of {} bytes from {} to port {}",
+  return fmt::format("it holds e.g. {} datagrams of {} bytes from {} to port {}{}",
                      stream.arrivals.count, stream.last_size, address_text(stream.sender),
-                     stream.port);
+                     stream.port, describe_port(stream.port));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "daemon/setup/bare_capture.hpp"
 #include "drivers/makers/makers.hpp"
@@ -22,7 +23,10 @@ Result<lidar::InferredModel> infer_model(const makers::Stream* stream, const std
     return fail(fmt::format("{} lidar packets are too few to infer the model", inference.packets()),
                 where, advice);
   }
-  return fail("the packets are no known model's: " + inference.describe(), where, advice);
+  return fail(fmt::format("the packets are {}'s, but no known model's: {}", stream->maker->name(),
+                          inference.describe()),
+              where,
+              advice + "; sweeps of other lidars are read as PointCloud2 (infuse import) and PCD");
 }
 
 Result<lidar::InferredModel> choose_model(const std::string& configured,
@@ -116,15 +120,49 @@ Result<void> set_up_packets(const recording::Drive& drive, const recording::Lida
   return check();
 }
 
+/// Leaves out the lidars of a bare capture that cannot be set up, with a note of each, if others
+/// can be.
+void leave_out_unknown(recording::Drive& drive, const LidarOverrides& overrides,
+                       std::vector<Error>& notes) {
+  recording::DriveDescription& description = drive.description;
+  std::vector<Error> wrong;
+  std::vector<size_t> known;
+  for (size_t i = 0; i < description.lidars.size(); ++i) {
+    LidarSetup lidar;
+    const auto done = set_up_packets(drive, description.lidars[i], description.rig.lidars[i].model,
+                                     {}, overrides, lidar);
+    if (done) {
+      known.push_back(i);
+    } else {
+      wrong.push_back(done.error());
+      wrong.back().where = endpoint_of(description.lidars[i]);
+    }
+  }
+  if (known.empty() || wrong.empty()) return;
+  for (size_t i = 0; i < known.size(); ++i) {
+    std::swap(description.lidars[i], description.lidars[known[i]]);
+    std::swap(description.rig.lidars[i], description.rig.lidars[known[i]]);
+  }
+  description.lidars.resize(known.size());
+  description.rig.lidars.resize(known.size());
+  if (description.rig.find_lidar(description.gnss_lidar) == nullptr) description.gnss_lidar = "";
+  notes.insert(notes.end(), wrong.begin(), wrong.end());
+}
+
 Result<recording::Drive> find_drive(const std::filesystem::path& path,
-                                    const std::vector<LidarOptions>& lidars) {
+                                    const std::vector<LidarOptions>& lidars,
+                                    const LidarOverrides& overrides, std::vector<Error>& notes) {
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored) && !recording::is_capture_folder(path)) {
     return recording::Drive::open(path);
   }
   const auto survey = survey_beginning(path);
   if (!survey) return tl::unexpected(survey.error());
-  return describe_capture(path, *survey, lidars);
+  auto drive = describe_capture(path, *survey, lidars);
+  if (drive && lidars.empty() && drive->description.lidars.size() > 1) {
+    leave_out_unknown(*drive, overrides, notes);
+  }
+  return drive;
 }
 
 uint64_t size_of_capture(const std::filesystem::path& path) {
@@ -203,11 +241,11 @@ Result<const lidar::LidarModel*> requested_model(const std::string& name) {
 Result<SensorSetup> open_drive(const std::filesystem::path& path,
                                const std::vector<LidarOptions>& lidars,
                                const LidarOverrides& overrides) {
-  const auto drive = find_drive(path, lidars);
+  SensorSetup setup;
+  const auto drive = find_drive(path, lidars, overrides, setup.doubts);
   if (!drive) return tl::unexpected(drive.error());
   auto source = recording::DriveSource::open(*drive);
   if (!source) return tl::unexpected(source.error());
-  SensorSetup setup;
   setup.path = path;
   setup.source = *std::move(source);
   setup.rig = drive->description.rig;

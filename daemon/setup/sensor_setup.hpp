@@ -52,7 +52,8 @@ struct SensorSetup {
 
   std::vector<PortSetup> ports;                       ///< live: of the lidars
   std::optional<vehicle::SerialOptions> gnss_serial;  ///< live: device of the GNSS receiver
-  std::vector<Error> doubts;                          ///< live: what is valid and yet hardly meant
+  /// Live: what is valid and yet hardly meant. Of a capture: lidars that are left out.
+  std::vector<Error> doubts;
 
   std::filesystem::path path;     ///< the drive or capture
   recording::DriveSource source;  ///< its events; sensors have the same indices there

@@ -36,7 +36,9 @@ class Maker final : public lidar::LidarMaker {
 
   std::optional<lidar::StatedPacket> read_stated(std::span<const uint8_t> payload) const override {
     const auto model = recognise(payload);
-    if (!model) return std::nullopt;
+    if (!model) {
+      return looks_like_hesai(payload) ? std::optional(lidar::StatedPacket()) : std::nullopt;
+    }
     const auto packet = parse_packet(model_info(*model), payload);
     if (!packet) return std::nullopt;
     return lidar::StatedPacket{&lidar_model(*model), Duration(packet->utc_ns), packet->azimuth[0]};

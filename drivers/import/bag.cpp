@@ -13,12 +13,15 @@
 namespace infuse::importers {
 namespace {
 
+/// True for messages of ROS 2; some recorders do not state it.
+bool is_cdr(const std::string& encoding) { return encoding == "cdr" || encoding.empty(); }
+
 /// Messages in encodings that are not read, by encoding.
 class OtherEncodings {
  public:
   /// True if messages in this encoding are not read; counts them.
   bool skip(const std::string& encoding) {
-    const bool other = encoding != "cdr" && encoding != "ros1";
+    const bool other = !is_cdr(encoding) && encoding != "ros1";
     if (other) ++counts_[encoding];
     return other;
   }
@@ -46,7 +49,7 @@ class McapBag : public Bag {
       std::string& type = types_[read.channel];
       if (type.empty()) type = ros::normalise_type(read.channel->schema.name);
       message = {read.channel->topic, type,
-                 read.channel->encoding == "cdr" ? ros::Encoding::kCdr : ros::Encoding::kRos1,
+                 is_cdr(read.channel->encoding) ? ros::Encoding::kCdr : ros::Encoding::kRos1,
                  read.log_time, read.data};
       return true;
     }
@@ -101,7 +104,7 @@ class DatabaseBag : public Bag {
       if (others_.skip(read.topic->encoding)) continue;
       std::string& type = types_[read.topic];
       if (type.empty()) type = ros::normalise_type(read.topic->type);
-      const bool cdr = read.topic->encoding == "cdr";
+      const bool cdr = is_cdr(read.topic->encoding);
       message = {read.topic->name, type, cdr ? ros::Encoding::kCdr : ros::Encoding::kRos1,
                  read.time, read.data};
       return true;

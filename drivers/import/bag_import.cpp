@@ -4,11 +4,13 @@
 
 #include "drivers/import/bag.hpp"
 #include "drivers/import/bag_mounts.hpp"
+#include "drivers/import/bag_packets.hpp"
 #include "drivers/import/bag_samples.hpp"
 #include "drivers/import/bag_sinks.hpp"
 #include "drivers/import/import_files.hpp"
 #include "drivers/recording/drive.hpp"
 #include "drivers/text/numbers.hpp"
+#include "drivers/text/text_file.hpp"
 
 namespace infuse::importers {
 namespace {
@@ -35,12 +37,17 @@ class BagImport {
 
   Result<void> add(const BagMessage& message) {
     const std::string topic(message.topic);
-    if (const auto packets = packets_.find(topic); packets != packets_.end())
-      return add_to<ros::VelodyneScan>(message, packets->second, [&](const auto& scan) {
-        return packets->second.add(scan, stamp_of(scan.header, message.log_time));
-      });
+    if (const auto packets = packets_.find(topic); packets != packets_.end()) {
+      return add_packets(message, packets->second, &PacketSink::add);
+    }
+    if (const auto lidar = metadata_.find(topic); lidar != metadata_.end()) {
+      return add_metadata(message, lidar->second);
+    }
     if (const auto lidar = positions_.find(topic); lidar != positions_.end()) {
       PacketSink& sink = packets_.at(lidar->second);
+      if (holds_packets(message.type)) {
+        return add_packets(message, sink, &PacketSink::add_position);
+      }
       return add_to<ros::UInt8MultiArray>(message, sink, [&](const auto& bytes) {
         return sink.add_position(bytes.data, message.log_time);
       });
@@ -105,6 +112,25 @@ class BagImport {
     return {};
   }
 
+  using AddPacket = Result<void> (PacketSink::*)(std::span<const uint8_t>, Stamp);
+  static Result<void> add_packets(const BagMessage& message, PacketSink& sink, AddPacket add) {
+    Result<void> done;
+    const auto add_one = [&](Stamp stamp, std::span<const uint8_t> payload) {
+      if (done) done = (sink.*add)(payload, stamp);
+    };
+    if (!read_packets(message, add_one)) sink.skipped.add("is not of the topic's type, or cut");
+    return done;
+  }
+
+  /// Writes a unit's metadata beside its capture, once.
+  Result<void> add_metadata(const BagMessage& message, const BagLidar* lidar) {
+    PacketSink& sink = packets_.at(lidar->topic);
+    const auto read = ros::decode<ros::String>(message.data, message.encoding);
+    if (!read || !sink.calibration().empty()) return {};
+    sink.set_calibration(lidar->name + ".json");
+    return text::write_text(drive_ / sink.calibration(), read->data);
+  }
+
   Result<void> add_lidar(const BagLidar& lidar) {
     description_.rig.lidars.push_back(mount_of(lidar, options_.vehicle_frame, summary_));
     auto& files = description_.lidars.emplace_back();
@@ -120,6 +146,7 @@ class BagImport {
     if (!sink) return tl::unexpected(sink.error());
     packets_.emplace(lidar.topic, std::move(*sink));
     if (!lidar.positions.empty()) positions_.emplace(lidar.positions, lidar.topic);
+    if (!lidar.metadata.empty()) metadata_.emplace(lidar.metadata, &lidar);
     return {};
   }
 
@@ -161,6 +188,7 @@ class BagImport {
       const BagLidar& lidar = summary_.selection.lidars[k];
       const auto sink = packets_.find(lidar.topic);
       if (sink == packets_.end()) continue;
+      description_.lidars[k].calibration = sink->second.calibration();
       if (const auto model = sink->second.model()) description_.rig.lidars[k].model = model->name;
       const bool carries_fixes = !samples_.has_fixes() || metadata("gnss_lidar") == lidar.name;
       if (sink->second.has_positions() && carries_fixes && description_.gnss_lidar.empty())
@@ -192,8 +220,9 @@ class BagImport {
   const BagImportOptions& options_;
   BagImportSummary& summary_;
   recording::DriveDescription description_;
-  std::map<std::string, PacketSink> packets_;     ///< by topic
-  std::map<std::string, std::string> positions_;  ///< topic of the data packets
+  std::map<std::string, PacketSink> packets_;        ///< by topic
+  std::map<std::string, std::string> positions_;     ///< topic of the data packets
+  std::map<std::string, const BagLidar*> metadata_;  ///< by topic
   std::map<std::string, CloudSink> clouds_;
   std::map<std::string, ImageSink> images_;
   BagSamples samples_;
@@ -207,6 +236,7 @@ std::string BagImportSummary::use_of(const std::string& topic) const {
   for (const BagLidar& lidar : selection.lidars) {
     if (topic == lidar.topic) return "lidar " + lidar.name;
     if (topic == lidar.positions) return "positions of the lidar " + lidar.name;
+    if (topic == lidar.metadata) return "metadata of the lidar " + lidar.name;
   }
   for (const BagCamera& camera : selection.cameras) {
     if (topic == camera.topic) return "camera " + camera.name;

@@ -90,26 +90,29 @@ void PacketSink::infer(std::span<const uint8_t> payload) {
   inference_->add(payload);
 }
 
-Result<void> PacketSink::add(const ros::VelodyneScan& scan, Stamp log_time) {
-  for (const ros::VelodynePacket& packet : scan.packets) {
-    const Stamp stamp = packet.stamp.stamp() == Stamp() ? log_time : packet.stamp.stamp();
-    if (stamp < Stamp()) {
-      skipped.add("has a packet from before 1970");
-      continue;
-    }
-    if (auto done = write_positions(stamp); !done) return done;
-    infer(packet.data);
-    if (auto done = write(stamp, kDataPort, packet.data); !done) return done;
+Result<void> PacketSink::add(std::span<const uint8_t> payload, Stamp stamp) {
+  if (stamp < Stamp()) {
+    skipped.add("has a packet from before 1970");
+    return {};
   }
-  return {};
+  if (auto done = write_positions(stamp); !done) return done;
+  const lidar::PacketClass kind = makers::classify(payload).packet_class;
+  const bool information = kind == lidar::PacketClass::kInformation;
+  has_positions_ |= information;
+  if (information || kind == lidar::PacketClass::kInertial) {
+    return write(stamp, kPositionPort, payload);
+  }
+  infer(payload);
+  return write(stamp, kDataPort, payload);
 }
 
 Result<void> PacketSink::add_position(std::span<const uint8_t> payload, Stamp log_time) {
-  if (makers::classify(payload).packet_class != lidar::PacketClass::kInformation) {
+  const lidar::PacketClass kind = makers::classify(payload).packet_class;
+  if (kind != lidar::PacketClass::kInformation && kind != lidar::PacketClass::kInertial) {
     skipped.add("is not a position packet");
     return {};
   }
-  has_positions_ = true;
+  has_positions_ |= kind == lidar::PacketClass::kInformation;
   positions_.push_back({log_time, {payload.begin(), payload.end()}});
   // Without scans there is nothing to wait for.
   constexpr size_t kMaxWaiting = 1000;

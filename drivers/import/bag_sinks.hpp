@@ -38,18 +38,23 @@ class SkipCount {
 };
 
 /// Writes the packets of one lidar to a capture, in order of time: data packets of scans, and
-/// position packets, which come between scans.
+/// packets of other kinds, which come between scans.
 class PacketSink {
  public:
   static Result<PacketSink> create(const std::filesystem::path& path);
 
-  Result<void> add(const ros::VelodyneScan& scan, Stamp log_time);
-  /// Adds a position packet; others are counted as skipped.
+  /// Adds a packet: a data packet is written behind those that wait, others where they come.
+  Result<void> add(std::span<const uint8_t> payload, Stamp stamp);
+  /// Adds a packet of information or of the inertial unit from another topic, which waits for data
+  /// packets before it; others are counted as skipped.
   Result<void> add_position(std::span<const uint8_t> payload, Stamp log_time);
   Result<void> finish();
 
   size_t packets() const { return packets_; }
   bool has_positions() const { return has_positions_; }
+  /// What is beside the capture: the unit's metadata; empty: nothing.
+  void set_calibration(std::string file) { calibration_ = std::move(file); }
+  const std::string& calibration() const { return calibration_; }
   /// The model that the packets are of; null if that is not clear.
   const lidar::LidarModel* model() const {
     return inference_ != nullptr ? inference_->judge() : nullptr;
@@ -71,6 +76,7 @@ class PacketSink {
   std::unique_ptr<lidar::ModelInference> inference_;  ///< null before the first data packet
   size_t packets_ = 0;
   bool has_positions_ = false;
+  std::string calibration_;
 };
 
 /// Writes the clouds of one lidar as sweeps.

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "drivers/import/bag.hpp"
+#include "drivers/import/bag_packets.hpp"
+#include "drivers/makers/makers.hpp"
 #include "drivers/ros/serialisation.hpp"
 
 namespace infuse::importers {
@@ -52,6 +54,7 @@ class Surveyor {
       with<ros::TwistWithCovarianceStamped>(
           message, topic, [&](const auto& twist) { note_motion(twist.twist, topic); });
     }
+    if (holds_packets(topic.type)) note_packets(message, topic);
     if (has_header(topic.type)) {
       with<HeaderOnly>(message, topic, [&](const HeaderOnly& only) {
         note_header(only.header, message.log_time, topic, lags);
@@ -75,11 +78,12 @@ class Surveyor {
 
  private:
   static bool has_header(const std::string& type) {
-    return type == ros::VelodyneScan::kName || type == ros::PointCloud2::kName ||
-           type == ros::Image::kName || type == ros::CompressedImage::kName ||
-           type == ros::Imu::kName || type == ros::NavSatFix::kName ||
-           type == ros::TwistStamped::kName || type == ros::TwistWithCovarianceStamped::kName ||
-           type == ros::Odometry::kName;
+    const bool of_packets =
+        holds_packets(type) && !type.ends_with("/PacketMsg") && !type.ends_with("/rslidarPacket");
+    return of_packets || type == ros::PointCloud2::kName || type == ros::Image::kName ||
+           type == ros::CompressedImage::kName || type == ros::Imu::kName ||
+           type == ros::NavSatFix::kName || type == ros::TwistStamped::kName ||
+           type == ros::TwistWithCovarianceStamped::kName || type == ros::Odometry::kName;
   }
 
   template <class T, class OnMessage>
@@ -89,6 +93,17 @@ class Surveyor {
     } else {
       ++topic.unreadable;
     }
+  }
+
+  static void note_packets(const BagMessage& message, BagTopic& topic) {
+    if (topic.has_data_packets) return;
+    const auto note = [&](Stamp, std::span<const uint8_t> payload) {
+      const auto kind = makers::classify(payload).packet_class;
+      topic.has_data_packets |=
+          kind == lidar::PacketClass::kData ||
+          (kind == lidar::PacketClass::kOther && topic.type == ros::VelodyneScan::kName);
+    };
+    if (!read_packets(message, note)) ++topic.unreadable;
   }
 
   static void note_motion(const ros::Twist& twist, BagTopic& topic) {
@@ -158,15 +173,15 @@ bool is_over_ground(const BagTopic& topic, const std::string& fixes) {
          !topic.has_turns && (topic.has_y || !topic.has_x) && topic.unreadable < topic.messages;
 }
 
-/// The topics of one of the types that are not unreadable, and only the wanted ones if there are
-/// any among them.
+/// The topics that `is_kind` accepts and that are not unreadable, and only the wanted ones if there
+/// are any among them.
+template <class IsKind>
 std::vector<const BagTopic*> candidates(const BagSurvey& survey,
-                                        const std::set<std::string>& wanted,
-                                        std::initializer_list<const char*> types,
+                                        const std::set<std::string>& wanted, IsKind is_kind,
                                         BagSelection& selection) {
   std::vector<const BagTopic*> all;
   for (const BagTopic& topic : survey.topics) {
-    if (std::ranges::find(types, topic.type) == types.end()) continue;
+    if (!is_kind(topic)) continue;
     if (topic.unreadable == topic.messages) {
       selection.reasons[topic.name] = "its messages are not of its type";
     } else {
@@ -183,10 +198,17 @@ std::vector<const BagTopic*> candidates(const BagSurvey& survey,
   return all;
 }
 
+/// Accepts topics of one of these types.
+auto of_types(std::vector<std::string_view> types) {
+  return [types = std::move(types)](const BagTopic& topic) {
+    return std::ranges::find(types, topic.type) != types.end();
+  };
+}
+
 Result<std::string> select_one(const BagSurvey& survey, const std::set<std::string>& wanted,
-                               std::initializer_list<const char*> types, const std::string& kind,
+                               std::vector<std::string_view> types, const std::string& kind,
                                BagSelection& selection) {
-  auto all = candidates(survey, wanted, types, selection);
+  auto all = candidates(survey, wanted, of_types(std::move(types)), selection);
   std::erase_if(all, [&](const BagTopic* topic) {
     const bool over_ground = is_over_ground(*topic, selection.gnss);
     if (over_ground && topic->name != selection.velocity)
@@ -211,15 +233,38 @@ Result<std::string> select_one(const BagSurvey& survey, const std::set<std::stri
 
 /// How much of what the lidar measured a topic has: packets, clouds as measured, other clouds.
 int rank_of(const BagTopic& topic) {
-  if (topic.type == ros::VelodyneScan::kName) return 0;
+  if (topic.has_data_packets) return 0;
   return topic.name.ends_with("_raw") ? 1 : 2;
+}
+
+/// The first topic of a namespace that `is_kind` accepts; empty: there is none.
+template <class IsKind>
+std::string topic_beside(const BagSurvey& survey, const std::string& space, IsKind is_kind) {
+  for (const BagTopic& topic : survey.topics) {
+    if (split_topic(topic.name).first == space && is_kind(topic)) return topic.name;
+  }
+  return "";
+}
+
+bool is_lidar(const BagTopic& topic) {
+  return topic.has_data_packets || topic.type == ros::PointCloud2::kName ||
+         (holds_packets(topic.type) && topic.unreadable == topic.messages);
+}
+
+/// Packets of information or of the inertial unit, in a topic of their own.
+bool is_beside_packets(const BagTopic& topic) {
+  return (holds_packets(topic.type) && !topic.has_data_packets) ||
+         (topic.type == ros::UInt8MultiArray::kName && topic.name.ends_with("/position_packets"));
+}
+
+bool is_metadata(const BagTopic& topic) {
+  return topic.type == ros::String::kName && topic.name.ends_with("/metadata");
 }
 
 Result<void> select_lidars(const BagSurvey& survey, const std::set<std::string>& wanted,
                            BagSelection& selection) {
   std::map<std::string, std::vector<const BagTopic*>> by_frame;
-  for (const BagTopic* topic :
-       candidates(survey, wanted, {ros::VelodyneScan::kName, ros::PointCloud2::kName}, selection))
+  for (const BagTopic* topic : candidates(survey, wanted, is_lidar, selection))
     by_frame[topic->frame].push_back(topic);
   for (auto& [frame, topics] : by_frame) {
     std::ranges::stable_sort(topics, {}, [](const BagTopic* topic) { return rank_of(*topic); });
@@ -232,14 +277,15 @@ Result<void> select_lidars(const BagSurvey& survey, const std::set<std::string>&
     for (size_t k = 1; k < topics.size(); ++k)
       selection.reasons[topics[k]->name] = best.name + " has what the lidar measured";
     const std::string space = split_topic(best.name).first;
-    const std::string positions = space + "/position_packets";
-    const bool has_packets = best.type == ros::VelodyneScan::kName;
-    const BagTopic* position_topic = survey.find(positions);
-    const bool has_positions = has_packets && position_topic != nullptr &&
-                               position_topic->type == ros::UInt8MultiArray::kName;
-    selection.lidars.push_back({unique_name(sensor_name(space, best.name), selection.lidars),
-                                best.name, has_positions ? positions : std::string(), frame,
-                                has_packets});
+    BagLidar lidar{.name = unique_name(sensor_name(space, best.name), selection.lidars),
+                   .topic = best.name,
+                   .frame = frame,
+                   .has_packets = best.has_data_packets};
+    if (lidar.has_packets) {
+      lidar.positions = topic_beside(survey, space, is_beside_packets);
+      lidar.metadata = topic_beside(survey, space, is_metadata);
+    }
+    selection.lidars.push_back(std::move(lidar));
   }
   return {};
 }
@@ -247,8 +293,8 @@ Result<void> select_lidars(const BagSurvey& survey, const std::set<std::string>&
 Result<void> select_cameras(const BagSurvey& survey, const std::set<std::string>& wanted,
                             BagSelection& selection) {
   std::map<std::string, std::vector<BagCamera>> by_space;
-  for (const BagTopic* topic :
-       candidates(survey, wanted, {ros::Image::kName, ros::CompressedImage::kName}, selection)) {
+  for (const BagTopic* topic : candidates(
+           survey, wanted, of_types({ros::Image::kName, ros::CompressedImage::kName}), selection)) {
     BagCamera camera{.topic = topic->name, .frame = topic->frame};
     camera.compressed = topic->type == ros::CompressedImage::kName;
     const auto [parent, last] = split_topic(topic->name);

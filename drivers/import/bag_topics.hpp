@@ -29,7 +29,8 @@ struct BagTopic {
   size_t stampless = 0;   ///< whose header has no stamp
   std::string frame;      ///< of the first header
   StampLag lag;
-  bool is_measured = false;  ///< a twist is not zero, an inertial sample is finite
+  bool is_measured = false;       ///< a twist is not zero, an inertial sample is finite
+  bool has_data_packets = false;  ///< its packets are, among others, data packets of a lidar
   bool has_x = false, has_y = false, has_turns = false;  ///< components of twists that are not zero
 };
 
@@ -50,7 +51,8 @@ Result<BagSurvey> survey_bags(const std::vector<std::filesystem::path>& files);
 struct BagLidar {
   std::string name;       ///< from the topic
   std::string topic;      ///< of its scans or clouds
-  std::string positions;  ///< topic of its position packets; empty: none
+  std::string positions;  ///< topic of its packets of other kinds; empty: none
+  std::string metadata;   ///< topic of its unit's metadata as text; empty: none
   std::string frame;
   bool has_packets = false;
 };

@@ -222,10 +222,7 @@ class LcmImport {
 
   Result<void> write(PacketSink& sink, const EmbeddedPacket& packet, Stamp stamp) {
     if (packet.is_position()) return sink.add_position(packet.payload, stamp);
-    scan_.packets.resize(1);
-    scan_.packets[0].stamp = ros::Time::from(stamp);
-    std::ranges::copy(packet.payload, scan_.packets[0].data.begin());
-    return sink.add(scan_, stamp);
+    return sink.add(packet.payload, stamp);
   }
 
   const fs::path& drive_;
@@ -234,7 +231,6 @@ class LcmImport {
   std::vector<PacketSink> sinks_;                     ///< one per lidar
   std::map<std::string, Input, std::less<>> inputs_;  ///< by channel
   std::vector<EmbeddedPacket> packets_;
-  ros::VelodyneScan scan_;
 };
 
 }  // namespace

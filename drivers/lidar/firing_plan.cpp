@@ -1,6 +1,7 @@
 #include "drivers/lidar/firing_plan.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 
 namespace infuse::lidar {
@@ -8,25 +9,38 @@ namespace {
 
 constexpr int64_t kMaxJumpNs = 1'000'000'000;  // one turn per second
 
-/// Sets the times of the sequences after the last jump so that the following packet comes directly
-/// after them.
-void retime_after_jump(FiringPlan& plan, size_t first, int64_t following_ns, int64_t period_ns) {
-  const int64_t start = following_ns - static_cast<int64_t>(plan.count - first) * period_ns;
-  const int64_t earliest = plan.sequences[first - 1].time_ns + period_ns;
+/// Sets the times of the sequences after the last jump by the following packet. Where packets are
+/// missing between, its azimuth tells how long they took, but for whole turns, which the rate
+/// tells.
+void retime_after_jump(FiringPlan& plan, const FollowingPacket& following, double rate,
+                       const SequenceTiming& timing) {
+  const size_t first = plan.last_jump;
+  const auto behind = static_cast<int64_t>(plan.count - first);
+  const int advance = azimuth_advance(plan.last().azimuth, following.azimuth);
+  int64_t start = following.delay_ns - behind * timing.period_ns;
+  if (advance > timing.max_step) {
+    if (rate <= 0) return;
+    const double sequences = std::round(advance / rate / static_cast<double>(timing.period_ns));
+    start -= (static_cast<int64_t>(sequences) - 1) * timing.period_ns;
+    const double turn_ns = kCentidegreesPerTurn / rate;
+    const auto late_ns = static_cast<double>(start - plan.sequences[first].time_ns);
+    start -= static_cast<int64_t>(std::round(late_ns / turn_ns) * turn_ns);
+  }
+  const int64_t earliest = plan.sequences[first - 1].time_ns + timing.period_ns;
   if (start < earliest || start - earliest > kMaxJumpNs) return;
   for (size_t i = first; i < plan.count; ++i) {
-    plan.sequences[i].time_ns = start + static_cast<int64_t>(i - first) * period_ns;
+    plan.sequences[i].time_ns = start + static_cast<int64_t>(i - first) * timing.period_ns;
   }
 }
 
 }  // namespace
 
 void plan_firings(std::span<const uint16_t> azimuths,
-                  const std::optional<FollowingPacket>& following, int previous_step,
+                  const std::optional<FollowingPacket>& following, int previous_step, double rate,
                   const SequenceTiming& timing, FiringPlan& plan) {
   plan.count = azimuths.size();
   int step = std::clamp(previous_step, 0, timing.max_step);
-  size_t after_last_jump = 0;
+  plan.last_jump = 0;
   for (size_t i = 0; i < plan.count; ++i) {
     PlannedSequence& now = plan.sequences[i];
     now = {};
@@ -37,8 +51,12 @@ void plan_firings(std::span<const uint16_t> azimuths,
       now.after_jump = now.advance > timing.max_step;
       now.time_ns = before.time_ns + timing.period_ns;
       if (now.after_jump) {
-        after_last_jump = i;
-        if (step > 0) now.time_ns += (now.advance - step) * timing.period_ns / step;
+        plan.last_jump = i;
+        if (rate > 0) {
+          now.time_ns = before.time_ns + std::llround(now.advance / rate);
+        } else if (step > 0) {
+          now.time_ns += (now.advance - step) * timing.period_ns / step;
+        }
       }
     }
     if (i + 1 < plan.count) {
@@ -49,9 +67,7 @@ void plan_firings(std::span<const uint16_t> azimuths,
   }
   if (!following) return;
 
-  if (after_last_jump > 0) {
-    retime_after_jump(plan, after_last_jump, following->delay_ns, timing.period_ns);
-  }
+  if (plan.last_jump > 0) retime_after_jump(plan, *following, rate, timing);
   PlannedSequence& last = plan.sequences[plan.count - 1];
   const int64_t gap_ns = following->delay_ns - (last.time_ns + timing.period_ns);
   const int advance = azimuth_advance(last.azimuth, following->azimuth);

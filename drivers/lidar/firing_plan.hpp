@@ -26,6 +26,7 @@ struct PlannedSequence {
 struct FiringPlan {
   std::array<PlannedSequence, kMaxSequences> sequences{};
   size_t count = 0;
+  size_t last_jump = 0;  ///< the last sequence after a jump; 0: there is none
 
   const PlannedSequence& last() const { return sequences[count - 1]; }
 };
@@ -47,9 +48,10 @@ struct SequenceTiming {
 /// comes from the following packet if that follows directly; otherwise it is the step before it
 /// (`previous_step` if there is none). Over a jump inside the packet (a sensor configured to scan a
 /// part of the turn) nothing is interpolated; the sequences after it are timed backwards from the
-/// following packet, or by the rate of rotation without one.
+/// following packet, whose azimuth tells how many sequences lie between, or by the rate of rotation
+/// without one. `rate`: 0.01° per ns; 0: unknown, that of the step before applies.
 void plan_firings(std::span<const uint16_t> azimuths,
-                  const std::optional<FollowingPacket>& following, int previous_step,
+                  const std::optional<FollowingPacket>& following, int previous_step, double rate,
                   const SequenceTiming& timing, FiringPlan& plan);
 
 }  // namespace infuse::lidar

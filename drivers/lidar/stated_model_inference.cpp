@@ -33,6 +33,7 @@ void StatedModelInference::add(std::span<const uint8_t> payload) {
     return each.packets == 0 || each.model == packet->model;
   });
   if (votes != votes_.end()) *votes = {packet->model, votes->packets + 1};
+  if (packet->model == nullptr) return;
   const PacketTracks::Step step = tracks_.add(packet->counter, packet->azimuth);
   if (step.period_us <= 0) return;
   turned_ += step.advance;

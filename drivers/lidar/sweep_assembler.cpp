@@ -20,16 +20,11 @@ int to_centidegrees(double degrees) {
   return static_cast<int>(std::lround(degrees * 100) + kCentidegreesPerTurn) % kCentidegreesPerTurn;
 }
 
-/// Adds a packet's steps to the rate of rotation.
-void add_steps(const FiringPlan& plan, int64_t period_ns, RotationRate& rotation) {
-  int64_t turned = 0;
-  int64_t steps = 0;
-  for (size_t i = 1; i < plan.count; ++i) {
-    const bool step = !plan.sequences[i].after_jump;
-    turned += step ? plan.sequences[i].advance : 0;
-    steps += step ? 1 : 0;
-  }
-  rotation.add(turned, steps * period_ns);
+/// Adds the rotation within a packet, unless the sensor has skipped a part of the turn there.
+void add_rotation(const FiringPlan& plan, int64_t period_ns, RotationRate& rotation) {
+  if (plan.last_jump > 0) return;
+  rotation.add(azimuth_advance(plan.sequences[0].azimuth, plan.last().azimuth),
+               static_cast<int64_t>(plan.count - 1) * period_ns);
 }
 
 }  // namespace
@@ -121,9 +116,10 @@ void SweepAssembler::begin_decoding(const ReceivedPacket* following) {
       following->header.azimuth[0] != kNoAzimuth) {
     next = FollowingPacket{following->header.azimuth[0], following->device_ns - held_->device_ns};
   }
-  plan_firings(held_->header.azimuths(), next, last_decoded_.step, timing_, plan_);
+  plan_firings(held_->header.azimuths(), next, last_decoded_.step, rotation_.per_ns(), timing_,
+               plan_);
   plan_cuts();
-  if (cutter_.partial_turn()) add_steps(plan_, timing_.period_ns, rotation_);
+  add_rotation(plan_, timing_.period_ns, rotation_);
   last_decoded_ = {true, plan_.last().azimuth, plan_.last().step,
                    held_->device_ns + plan_.last().time_ns + timing_.period_ns,
                    held_->header.number};

@@ -1,8 +1,10 @@
 #include "drivers/lidar/udp_source.hpp"
 
 #include <arpa/inet.h>
+#include <linux/sock_diag.h>
 #include <net/if.h>
 
+#include <array>
 #include <utility>
 
 #include "drivers/host/system_error.hpp"
@@ -112,6 +114,24 @@ Result<void> UdpSource::join() {
                                "set the lidar's interface");
   }
   return {};
+}
+
+/// True if datagrams may have been dropped since the last read because the buffer was full: nobody
+/// else empties it, and a datagram is smaller than half of it.
+bool UdpSource::is_full() const {
+  if (!filters_senders()) return true;  // all drops are for want of room
+  std::array<uint32_t, SK_MEMINFO_VARS> memory{};
+  socklen_t size = sizeof(memory);
+  if (getsockopt(socket_.get(), SOL_SOCKET, SO_MEMINFO, memory.data(), &size) != 0) return true;
+  return memory[SK_MEMINFO_RMEM_ALLOC] >= memory[SK_MEMINFO_RCVBUF] / 2;
+}
+
+/// The kernel counts what its filter rejects with what does not fit.
+void UdpSource::count_dropped(uint32_t by_kernel) {
+  const uint32_t more = by_kernel - std::exchange(seen_drops_, by_kernel);
+  if (more == 0) return;
+  if (was_full_) dropped_ += more;
+  was_full_ = false;
 }
 
 void UdpSource::rejoin() { static_cast<void>(join()); }

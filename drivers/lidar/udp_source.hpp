@@ -43,16 +43,17 @@ class UdpSource {
   /// Returns their number; if it equals the capacity, more may be pending.
   template <class OnDatagram>
   Result<size_t> read(receive::MessageBatch& batch, OnDatagram on) {
+    was_full_ |= is_full();
     const int count = batch.receive(socket_.get(), stamps_);
     if (count < 0) return read_error();
-    if (batch.dropped() != 0) dropped_ = batch.dropped();
+    if (batch.dropped() != 0) count_dropped(batch.dropped());
     for (size_t i = 0; i < static_cast<size_t>(count); ++i) on(datagram(batch[i]));
     return static_cast<size_t>(count);
   }
 
   /// Number of datagrams that the kernel has dropped at this socket, as far as known: a drop is
-  /// reported with the next datagram that fits. With `filters_senders()` those that the filter
-  /// rejected are among them.
+  /// reported with the next datagram that fits. With `filters_senders()` those that the filter has
+  /// rejected since then are among them, but only where the buffer was full too.
   uint64_t dropped() const { return dropped_; }
 
   /// True if the kernel rejects datagrams of other senders.
@@ -80,6 +81,8 @@ class UdpSource {
   Result<void> prepare();
   Result<void> filter_senders();
   Result<void> join();
+  bool is_full() const;
+  void count_dropped(uint32_t by_kernel);
   Datagram datagram(const receive::MessageBatch::Message& message);
   tl::unexpected<Error> read_error() const;
   std::string name() const;
@@ -90,6 +93,8 @@ class UdpSource {
   receive::FileDescriptor socket_;
   size_t granted_ = 0;
   uint64_t dropped_ = 0;
+  uint32_t seen_drops_ = 0;  ///< the kernel's counter: of datagrams that do not fit or are rejected
+  bool was_full_ = false;    ///< the buffer, since that counter was last seen to grow
 };
 
 }  // namespace infuse::lidar

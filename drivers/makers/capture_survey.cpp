@@ -33,10 +33,9 @@ void CaptureSurvey::add(const Datagram& datagram) {
   stream->bytes += datagram.payload.size();
   stream->last_size = static_cast<uint32_t>(datagram.payload.size());
   if (stream->inference != nullptr) stream->inference->add(datagram.payload);
-  if (stream->packet_class == lidar::PacketClass::kInformation &&
-      stream->maker->read_fix(datagram)) {
-    ++stream->fixes;
-  }
+  if (stream->packet_class != lidar::PacketClass::kInformation) return;
+  if (stream->statement.empty()) stream->statement = stream->maker->describe(datagram.payload);
+  stream->fixes += stream->maker->read_fix(datagram) ? 1 : 0;
 }
 
 std::string CaptureSurvey::describe_unread() const {

@@ -23,6 +23,7 @@ struct Stream {
   uint64_t bytes = 0;      ///< of payload, total
   uint64_t fixes = 0;      ///< of information packets: those with a fix of a GNSS receiver
   uint32_t last_size = 0;  ///< payload of the last datagram, bytes
+  std::string statement;   ///< of information packets: what the first states of its sensor
   std::unique_ptr<lidar::ModelInference> inference;  ///< of data packets; else null
 
   bool has_data() const { return packet_class == lidar::PacketClass::kData; }

@@ -36,6 +36,7 @@ void add(PcapCounters& sum, const PcapCounters& part) {
   sum.malformed += part.malformed;
   sum.fragments += part.fragments;
   sum.fragments_dropped += part.fragments_dropped;
+  sum.skipped_bytes += part.skipped_bytes;
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <zlib.h>
 #include <zstd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdint>
@@ -120,15 +121,41 @@ int close_cookie(void* cookie) {
   return 0;
 }
 
+/// The first bytes of a file.
+std::array<uint8_t, 6> first_bytes(FILE* file) {
+  std::array<uint8_t, 6> magic{};
+  static_cast<void>(std::fread(magic.data(), 1, magic.size(), file) == magic.size());
+  std::rewind(file);
+  return magic;
+}
+
 }  // namespace
+
+const char* unknown_compression(FILE* file) {
+  struct Format {
+    std::array<uint8_t, 4> begin;
+    size_t size;
+    const char* command;
+  };
+  constexpr std::array<Format, 4> kFormats{{{{0xFD, '7', 'z', 'X'}, 4, "unxz"},
+                                            {{'B', 'Z', 'h'}, 3, "bunzip2"},
+                                            {{0x04, 0x22, 0x4D, 0x18}, 4, "lz4 -d"},
+                                            {{'P', 'K', 3, 4}, 4, "unzip"}}};
+  const auto begin = first_bytes(file);
+  for (const Format& format : kFormats) {
+    if (std::equal(format.begin.begin(), format.begin.begin() + format.size, begin.begin())) {
+      return format.command;
+    }
+  }
+  return nullptr;
+}
 
 FILE* decompress(FILE* file) {
   File owned(file);
-  std::array<uint8_t, 4> magic{};
-  const size_t count = std::fread(magic.data(), 1, magic.size(), file);
-  std::rewind(file);
-  const bool gzip = count >= 2 && magic[0] == 0x1F && magic[1] == 0x8B;
-  const bool zstd = magic == std::array<uint8_t, 4>{0x28, 0xB5, 0x2F, 0xFD};
+  const auto magic = first_bytes(file);
+  const bool gzip = magic[0] == 0x1F && magic[1] == 0x8B;
+  constexpr std::array<uint8_t, 4> kZstd{0x28, 0xB5, 0x2F, 0xFD};
+  const bool zstd = std::equal(kZstd.begin(), kZstd.end(), magic.begin());
   if (!gzip && !zstd) return owned.release();
   std::unique_ptr<Decompressor> content;
   if (gzip) {

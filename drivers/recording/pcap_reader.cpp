@@ -10,6 +10,8 @@
 
 #include "drivers/recording/decompress.hpp"
 #include "drivers/recording/link_layer.hpp"
+#include "drivers/recording/record_scan.hpp"
+#include "drivers/recording/steady_stamps.hpp"
 #include "drivers/recording/udp_decoder.hpp"
 
 namespace infuse::recording {
@@ -56,6 +58,7 @@ struct PcapReader::State {
   State& operator=(const State&) = delete;
 
   static Result<PcapReader> make(FILE* file, const std::string& name, const PcapOptions& options);
+  bool resume_reading();
   void stop_reading(int status);
   void count_outcome(FrameOutcome outcome);
 
@@ -65,13 +68,21 @@ struct PcapReader::State {
   pcap_t* pcap;
   UdpDecoder decoder;
   PcapCounters counters;
+  SteadyStamps stamps;
+  std::optional<RecordScan> scan;  // nothing: the file has no records that could be found again
   bool ended = false;
-  int64_t offset = 0;  // of the next packet
+  int64_t offset = 0;          // of the next packet
+  uint64_t first_skipped = 0;  // number of the packet before which bytes were skipped first
   std::optional<Error> damage;
 };
 
 Result<PcapReader> PcapReader::State::make(FILE* file, const std::string& name,
                                            const PcapOptions& options) {
+  if (const char* unpack = unknown_compression(file)) {
+    std::fclose(file);
+    return fail("is compressed in a way that is not read", name,
+                std::string("unpack it first: ") + unpack);
+  }
   file = decompress(file);
   if (file == nullptr) return fail("out of memory", name);
   auto buffer = std::make_unique_for_overwrite<char[]>(kFileBufferBytes);
@@ -93,7 +104,19 @@ Result<PcapReader> PcapReader::State::make(FILE* file, const std::string& name,
                 name, "supported: Ethernet, Linux cooked, raw IP, BSD loopback");
   }
   state->offset = ftello(file);
+  state->scan = RecordScan::of(file);
   return PcapReader(std::move(state));
+}
+
+/// Goes on at the next record that is one, after a record whose length cannot be.
+bool PcapReader::State::resume_reading() {
+  if (!scan || offset < 0) return false;
+  const auto found = scan->find_next(pcap_file(pcap), offset);
+  if (!found) return false;
+  if (counters.skipped_bytes == 0) first_skipped = counters.packets + 1;
+  counters.skipped_bytes += static_cast<uint64_t>(*found - offset);
+  offset = *found;
+  return true;
 }
 
 void PcapReader::State::stop_reading(int status) {
@@ -101,12 +124,18 @@ void PcapReader::State::stop_reading(int status) {
   decoder.finish();
   if (status == PCAP_ERROR_BREAK) return;  // the end of the file
   const uint64_t number = counters.packets + 1;
+  const std::string reason = pcap_geterr(pcap);
+  const bool interfaces = reason.find("type of the first interface") != std::string::npos;
   damage = Error{
       "the capture cannot be read beyond packet " + std::to_string(counters.packets) + ": " +
-          pcap_geterr(pcap),
+          reason,
       name + ", packet " + std::to_string(number) +
           (offset >= 0 ? ", byte " + std::to_string(offset) : std::string()),
-      "earlier packets were read; the file was probably truncated while being written or copied"};
+      interfaces
+          ? "it was recorded at interfaces of different kinds: extract one, tshark -r FILE -Y "
+            "'frame.interface_id == 0' -w ONE"
+          : "earlier packets were read; the file was probably truncated while being written "
+            "or copied"};
 }
 
 void PcapReader::State::count_outcome(FrameOutcome outcome) {
@@ -162,13 +191,14 @@ bool PcapReader::next(Datagram& datagram) {
     const u_char* bytes = nullptr;
     const int status = pcap_next_ex(s.pcap, &header, &bytes);
     if (status != 1) {
+      if (status == PCAP_ERROR && s.resume_reading()) continue;
       s.stop_reading(status);
       break;
     }
     s.offset = ftello(pcap_file(s.pcap));
     ++s.counters.packets;
-    const FrameOutcome outcome =
-        s.decoder.decode(to_stamp(header->ts), {bytes, header->caplen}, header->len, datagram);
+    const FrameOutcome outcome = s.decoder.decode(s.stamps.steady(to_stamp(header->ts)),
+                                                  {bytes, header->caplen}, header->len, datagram);
     s.count_outcome(outcome);
     if (outcome != FrameOutcome::kDatagram) continue;
     if (passes(s.options.ports, datagram.destination_port) &&
@@ -193,6 +223,18 @@ void PcapReader::append_notes(std::vector<Error>& notes) const {
       "capture whole packets: tcpdump -s 0");
   add(c.malformed, " packets have contradictory lengths, and were not used",
       "the program that wrote the capture may have changed them");
+  if (c.skipped_bytes > 0) {
+    notes.push_back({std::to_string(c.skipped_bytes) + " bytes are no packets, and were skipped",
+                     state_->name + ", packet " + std::to_string(state_->first_skipped),
+                     "the file was damaged while being written or copied"});
+  }
+  if (const SteadyStamps& stamps = state_->stamps; stamps.steps() > 0) {
+    char step[32];
+    std::snprintf(step, sizeof step, "%.3f s", to_seconds(stamps.largest()));
+    notes.push_back({"the clock of the recording host was set back " +
+                         std::to_string(stamps.steps()) + " time(s), by up to " + step,
+                     state_->name, "the stamps behind are read as if it had not been"});
+  }
   add(c.fragments_dropped, " IPv4 fragments belong to datagrams that are not complete",
       "the fragments between were lost");
 }

@@ -36,11 +36,14 @@ struct PcapCounters {
   uint64_t malformed = 0;          ///< with contradictory lengths
   uint64_t fragments = 0;          ///< IPv4 fragments seen
   uint64_t fragments_dropped = 0;  ///< IPv4 fragments of datagrams that were never complete
+  uint64_t skipped_bytes = 0;      ///< that are no packets
 };
 
 /// Reads the UDP datagrams of a pcap or pcapng file, plain or compressed (gzip, zstd):
 /// Ethernet with or without VLAN tags (802.1Q, QinQ), Linux cooked v1 and v2, raw IP, BSD loopback;
-/// IPv4 fragments are reassembled. Allocates nothing after `open`.
+/// IPv4 fragments are reassembled. After a damaged record of an uncompressed pcap file reading goes
+/// on at the next sound one. Where the host's clock was set back, stamps run on. Allocates nothing
+/// after `open` unless the file is damaged.
 class PcapReader {
  public:
   /// Opens a capture. Fails if the file cannot be read, is not a capture, or has another link type.

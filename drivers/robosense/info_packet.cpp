@@ -29,7 +29,32 @@ std::optional<ReturnMode> read_mode(uint8_t value) {
   return std::nullopt;
 }
 
+/// Bytes as digits of 16, without the zeros in front.
+std::string digits_of(std::span<const uint8_t> bytes) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string text;
+  for (const uint8_t byte : bytes) {
+    if (text.empty() && byte == 0) continue;
+    text += kDigits[byte >> 4];
+    text += kDigits[byte & 15];
+  }
+  return text;
+}
+
 }  // namespace
+
+const char* name_of(TimeMode mode) {
+  switch (mode) {
+    case TimeMode::kGps:
+      return "GPS";
+    case TimeMode::kPtpE2e:
+    case TimeMode::kPtpP2p:
+      return "PTP";
+    case TimeMode::kGptp:
+      return "gPTP";
+  }
+  return "";
+}
 
 bool is_info_packet(std::span<const uint8_t> payload) {
   return payload.size() == kPacketSize &&
@@ -39,10 +64,13 @@ bool is_info_packet(std::span<const uint8_t> payload) {
 std::optional<InfoPacket> parse_info_packet(std::span<const uint8_t> payload) {
   constexpr size_t kMotorSpeed = 8, kReturnMode = 300, kTimeMode = 301, kSynchronised = 302;
   constexpr size_t kSentence = 382, kSentenceSize = 86, kElevations = 468, kAzimuths = 564;
-  constexpr size_t kAngleSize = 3;
+  constexpr size_t kAngleSize = 3, kSoftware = 50, kSoftwareSize = 5;
+  constexpr size_t kSerialNumber = 292, kSerialNumberSize = 6;
   if (!is_info_packet(payload)) return std::nullopt;
   InfoPacket packet;
   packet.motor_speed = big_endian::read_u16(payload, kMotorSpeed);
+  packet.software = digits_of(payload.subspan(kSoftware, kSoftwareSize));
+  packet.serial_number = digits_of(payload.subspan(kSerialNumber, kSerialNumberSize));
   packet.mode = read_mode(payload[kReturnMode]);
   if (payload[kTimeMode] <= 3) packet.time_mode = static_cast<TimeMode>(payload[kTimeMode]);
   packet.synchronised = payload[kSynchronised] == 1 || payload[kSynchronised] == 2;

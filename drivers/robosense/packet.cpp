@@ -69,6 +69,19 @@ bool is_data_packet(std::span<const uint8_t> payload) {
          std::equal(kDataMark.begin(), kDataMark.end(), payload.begin());
 }
 
+bool is_foreign_data_packet(std::span<const uint8_t> payload) {
+  constexpr std::array<std::array<uint8_t, 4>, 3> kMarks{{
+      kDataMark,                 // of another size
+      {0x55, 0xAA, 0x05, 0x0A},  // RS-LiDAR-16 and -32, Bpearl, RS-Ruby
+      {0x55, 0xAA, 0x5A, 0xA5},  // M and E series
+  }};
+  constexpr size_t kSmallest = 1000;
+  return payload.size() >= kSmallest && !is_data_packet(payload) &&
+         std::ranges::any_of(kMarks, [&](const auto& mark) {
+           return std::equal(mark.begin(), mark.end(), payload.begin());
+         });
+}
+
 tl::expected<Packet, PacketFault> parse_packet(std::span<const uint8_t> payload) {
   if (payload.size() != kPacketSize) return tl::unexpected(PacketFault::kSize);
   if (!is_data_packet(payload)) return tl::unexpected(PacketFault::kHeader);
@@ -80,6 +93,20 @@ tl::expected<Packet, PacketFault> parse_packet(std::span<const uint8_t> payload)
   packet.number = big_endian::read_u32(payload, kNumberOffset);
   packet.distance_unit = payload[kResolutionOffset] == 0 ? 0.005F : 0.0025F;
   return packet;
+}
+
+const char* name_of(ReturnMode mode) {
+  switch (mode) {
+    case ReturnMode::kDual:
+      return "two returns";
+    case ReturnMode::kStrongest:
+      return "strongest return";
+    case ReturnMode::kLast:
+      return "last return";
+    case ReturnMode::kFirst:
+      return "first return";
+  }
+  return "";
 }
 
 std::array<ReturnKind, 2> return_kinds(ReturnMode mode) {

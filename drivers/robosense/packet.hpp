@@ -53,8 +53,14 @@ struct Packet {
 /// True if a payload has the size and the mark of a data packet.
 bool is_data_packet(std::span<const uint8_t> payload);
 
+/// True if a payload begins as data packets of other RoboSense lidars do.
+bool is_foreign_data_packet(std::span<const uint8_t> payload);
+
 /// Parses a data packet: the manual of RS-Helios-16P, 6.2 "MSOP".
 tl::expected<Packet, PacketFault> parse_packet(std::span<const uint8_t> payload);
+
+/// Name of a mode: "strongest return".
+const char* name_of(ReturnMode mode);
 
 /// Kinds of the returns of one firing, in their order on the wire.
 std::array<ReturnKind, 2> return_kinds(ReturnMode mode);

@@ -1,6 +1,7 @@
 #include "drivers/robosense/robosense_maker.hpp"
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "drivers/gnss/nmea.hpp"
@@ -27,17 +28,32 @@ class Maker final : public lidar::LidarMaker {
   Maker() : LidarMaker("RoboSense", {.data = 6699, .information = 7788}, lidar_models()) {}
 
   lidar::PacketClass classify(std::span<const uint8_t> payload) const override {
-    if (is_data_packet(payload)) return lidar::PacketClass::kData;
+    if (is_data_packet(payload) || is_foreign_data_packet(payload)) {
+      return lidar::PacketClass::kData;
+    }
     if (is_info_packet(payload)) return lidar::PacketClass::kInformation;
     return lidar::PacketClass::kOther;
   }
 
   std::optional<lidar::StatedPacket> read_stated(std::span<const uint8_t> payload) const override {
+    if (is_foreign_data_packet(payload)) return lidar::StatedPacket();
     const auto packet = parse_packet(payload);
     if (!packet) return std::nullopt;
     const auto model = stated_model(payload);
     return lidar::StatedPacket{model ? &lidar_model(*model) : nullptr, Duration(packet->time_ns),
                                packet->azimuth[0]};
+  }
+
+  std::string describe(std::span<const uint8_t> payload) const override {
+    const auto packet = parse_info_packet(payload);
+    if (!packet) return "";
+    std::string text = "software " + packet->software + ", serial number " + packet->serial_number;
+    if (packet->mode) text += std::string(", ") + name_of(*packet->mode);
+    if (packet->time_mode) {
+      text += std::string(", time of ") + name_of(*packet->time_mode) +
+              (packet->synchronised ? "" : ", which is not there");
+    }
+    return text;
   }
 
   Result<std::unique_ptr<lidar::LidarDecoder>> new_decoder(

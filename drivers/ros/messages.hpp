@@ -242,6 +242,75 @@ struct VelodyneScan {
   void fields(auto& archive) { archive(header, packets); }
 };
 
+/// pandar_msgs/PandarPacket, of Hesai's driver
+struct PandarPacket {
+  Time stamp;
+  std::array<uint8_t, 1500> data{};
+  uint32_t size = 0;  ///< bytes of `data` that are the packet
+  void fields(auto& archive) { archive(stamp, data, size); }
+};
+
+/// pandar_msgs/PandarScan: the packets of a turn.
+struct PandarScan {
+  static constexpr const char* kName = "pandar_msgs/msg/PandarScan";
+  Header header;
+  std::vector<PandarPacket> packets;
+  void fields(auto& archive) { archive(header, packets); }
+};
+
+/// nebula_msgs/NebulaPacket, of Nebula's drivers of several makers
+struct NebulaPacket {
+  Time stamp;
+  std::span<const uint8_t> data;
+  void fields(auto& archive) { archive(stamp, data); }
+};
+
+/// nebula_msgs/NebulaPackets: the packets of a turn.
+struct NebulaPackets {
+  static constexpr const char* kName = "nebula_msgs/msg/NebulaPackets";
+  Header header;
+  std::vector<NebulaPacket> packets;
+  void fields(auto& archive) { archive(header, packets); }
+};
+
+/// rslidar_msg/RslidarPacket, of RoboSense's driver: a data or an information packet.
+struct RslidarPacket {
+  static constexpr const char* kName = "rslidar_msg/msg/RslidarPacket";
+  Header header;
+  uint8_t is_information = 0;  ///< is_difop
+  uint8_t is_frame_begin = 0;
+  std::span<const uint8_t> data;
+  void fields(auto& archive) { archive(header, is_information, is_frame_begin, data); }
+};
+
+/// rslidar_msgs/rslidarPacket, of RoboSense's driver until 2020
+struct OldRslidarPacket {
+  Time stamp;
+  std::array<uint8_t, 1248> data{};
+  void fields(auto& archive) { archive(stamp, data); }
+};
+
+/// rslidar_msgs/rslidarScan: the packets of a turn.
+struct OldRslidarScan {
+  Header header;
+  std::vector<OldRslidarPacket> packets;
+  void fields(auto& archive) { archive(header, packets); }
+};
+
+/// ouster_sensor_msgs/PacketMsg, of Ouster's driver: a packet of either kind, without a stamp.
+struct OusterPacket {
+  static constexpr const char* kName = "ouster_sensor_msgs/msg/PacketMsg";
+  std::span<const uint8_t> buffer;
+  void fields(auto& archive) { archive(buffer); }
+};
+
+/// std_msgs/String
+struct String {
+  static constexpr const char* kName = "std_msgs/msg/String";
+  std::string data;
+  void fields(auto& archive) { archive(data); }
+};
+
 /// std_msgs/MultiArrayDimension
 struct MultiArrayDimension {
   std::string label;

@@ -37,12 +37,18 @@ const ModelInfo* named_model(uint8_t product_id) {
   return nullptr;
 }
 
-/// The first model of one bank with this period of packets; null if there is none.
-const ModelInfo* timed_model(int64_t period_us, bool dual) {
+/// The first model of one bank with this period of packets, and how many there are.
+struct TimedModels {
+  const ModelInfo* first = nullptr;
+  size_t count = 0;
+};
+TimedModels timed_models(int64_t period_us, bool dual) {
+  TimedModels found;
   for (const ModelInfo& info : models()) {
-    if (info.banks == 1 && fits(info, period_us, dual)) return &info;
+    if (info.banks > 1 || !fits(info, period_us, dual)) continue;
+    if (found.count++ == 0) found.first = &info;
   }
-  return nullptr;
+  return found;
 }
 
 const ModelInfo& hdl64e(int64_t period_us) {
@@ -105,9 +111,11 @@ const ModelInfo* ModelInference::judge_info() const {
   if (layout() == Layout::kFourBanks) return &model_info(Model::kVls128);
   if (layout() == Layout::kTwoBanks) return &hdl64e(period_us);
   const ModelInfo* named = named_model(product_id());
-  if (named == nullptr || fits(*named, period_us, dual())) return named;
-  const ModelInfo* timed = timed_model(period_us, dual());
-  return timed != nullptr ? timed : named;
+  if (named != nullptr && fits(*named, period_us, dual())) return named;
+  const TimedModels timed = timed_models(period_us, dual());
+  // A byte that is no model's tells nothing: the period decides if one model alone has it.
+  if (named == nullptr) return timed.count == 1 ? timed.first : nullptr;
+  return timed.first != nullptr ? timed.first : named;
 }
 
 const lidar::LidarModel* ModelInference::judge() const {
@@ -139,9 +147,10 @@ std::optional<lidar::InferredModel> ModelInference::infer() const {
   if (info.banks == 4) return lidar::InferredModel{model, "blocks of lasers 96 ... 127"};
   if (info.banks == 2)
     return lidar::InferredModel{model, "blocks of lasers 32 ... 63, " + spacing()};
-  const ModelInfo& named = *named_model(product_id());
-  const std::string claim = "product byte " + hex(product_id()) + " says " + named.name;
-  if (named.model != info.model) {
+  const ModelInfo* named = named_model(product_id());
+  const std::string claim = "product byte " + hex(product_id()) + " says " +
+                            (named != nullptr ? named->name : "no known model");
+  if (named != judged) {
     return lidar::InferredModel{model, spacing() + ": a " + info.name + "'s, though " + claim};
   }
   const bool fit = fits(info, median_period_us(), dual());

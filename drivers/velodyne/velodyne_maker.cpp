@@ -17,18 +17,24 @@ namespace {
 
 constexpr size_t kSentencePlace = 0xCE;  // of a position packet
 
+/// Number of blocks that begin with a flag of any model.
+size_t count_flags(std::span<const uint8_t> payload) {
+  size_t flags = 0;
+  for (size_t block = 0; block < kBlocks; ++block) {
+    const uint8_t* bytes = block_at(payload, block);
+    const uint8_t bank = bytes[1];
+    flags += bytes[0] == 0xFF && (bank == 0xEE || bank == 0xDD || bank == 0xCC || bank == 0xBB);
+  }
+  return flags;
+}
+
 /// True if bytes are a data packet of any model: all flags, most azimuths.
 bool is_data_packet(std::span<const uint8_t> payload) {
   size_t azimuths = 0;
   for (size_t block = 0; block < kBlocks; ++block) {
-    const uint8_t* bytes = block_at(payload, block);
-    const uint8_t bank = bytes[1];
-    const bool flag =
-        bytes[0] == 0xFF && (bank == 0xEE || bank == 0xDD || bank == 0xCC || bank == 0xBB);
-    if (!flag) return false;
-    if (read_u16(bytes + 2) <= kCentidegreesPerTurn) ++azimuths;
+    azimuths += read_u16(block_at(payload, block) + 2) <= kCentidegreesPerTurn;
   }
-  return azimuths > kBlocks / 2;
+  return count_flags(payload) == kBlocks && azimuths > kBlocks / 2;
 }
 
 std::vector<lidar::LidarModel> lidar_models() {
@@ -47,7 +53,10 @@ class Maker final : public lidar::LidarMaker {
   Maker() : LidarMaker("Velodyne", {.data = 2368, .information = 8308}, lidar_models()) {}
 
   lidar::PacketClass classify(std::span<const uint8_t> payload) const override {
-    if (payload.size() == kPacketSize) return lidar::PacketClass::kData;
+    // A packet with a damaged block is the sensor's; random bytes of this size are nobody's.
+    if (payload.size() == kPacketSize && count_flags(payload) >= kBlocks / 2) {
+      return lidar::PacketClass::kData;
+    }
     if (payload.size() == kPositionPacketSize) return lidar::PacketClass::kInformation;
     return lidar::PacketClass::kOther;
   }

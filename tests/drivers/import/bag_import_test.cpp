@@ -9,8 +9,10 @@
 #include "drivers/import/bag.hpp"
 #include "drivers/recording/drive_source.hpp"
 #include "drivers/text/text_file.hpp"
+#include "fixtures/encoders/encoders.hpp"
 #include "tests/drivers/import/bag_messages.hpp"
 #include "tests/drivers/rosbag/bag_bytes.hpp"
+#include "tests/pcap_packets.hpp"
 #include "tests/real_data.hpp"
 #include "tests/scratch_folder.hpp"
 
@@ -357,6 +359,78 @@ TEST(BagImport, MutatedRecordingsNeitherCrashNorHang) {
     std::filesystem::remove_all(folder / "drive");
   }
   EXPECT_GT(imported, 5u);
+}
+
+TEST(BagImport, PacketsOfAHesaiAndARobosenseAreTaken) {
+  const ScratchFolder folder;
+  const auto* xt32 = fixtures::find_model("XT32");
+  const auto* helios = fixtures::find_model("RS-Helios");
+  const auto hesai = fixtures::make_encoder({.model = xt32});
+  const auto robosense = fixtures::make_encoder({.model = helios});
+  BagFile bag(folder / "a.mcap");
+  const auto information = robosense->information_packet({Duration(kSecond), true, ""});
+  bag.write("/rs/packets", kSecond,
+            ros::RslidarPacket{make_header(kSecond, "rs"), 1, 0, information});
+  std::vector<fixtures::Echo> echoes(32, {10, 100});
+  ros::PandarScan scan{make_header(kSecond, "top"), {}};
+  size_t helios_packets = 1;
+  for (int i = 0; i < 8 * 40; ++i) {
+    const Duration time(kSecond + i * 50'000);
+    const auto azimuth = static_cast<uint16_t>(i * 18);
+    if (hesai->add_sequence({azimuth, time, echoes})) {
+      ros::PandarPacket& packet = scan.packets.emplace_back();
+      packet.stamp = ros::Time::from(Stamp::from_ns(time.count()));
+      packet.size = static_cast<uint32_t>(hesai->packet().size());
+      std::ranges::copy(hesai->packet(), packet.data.begin());
+    }
+    if (robosense->add_sequence({azimuth, time, echoes})) {
+      ++helios_packets;
+      bag.write("/rs/packets", time.count(),
+                ros::RslidarPacket{make_header(time.count(), "rs"), 0, 0, robosense->packet()});
+    }
+  }
+  bag.write("/top/pandar_packets", 2 * kSecond, scan);
+  bag.close();
+  const auto imported = import(folder);
+  ASSERT_TRUE(imported) << imported.error().message();
+  EXPECT_EQ(imported->packets, 40 + helios_packets);
+  const auto drive = recording::Drive::open(folder / "drive");
+  ASSERT_TRUE(drive);
+  ASSERT_EQ(drive->description.rig.lidars.size(), 2U);
+  EXPECT_EQ(drive->description.rig.lidars[0].model, "RS-Helios");
+  EXPECT_EQ(drive->description.rig.lidars[1].model, "XT32");
+  const auto packets = read_capture(folder / "drive" / drive->description.lidars[1].packets);
+  ASSERT_EQ(packets.size(), 40U);
+  EXPECT_EQ(packets[0].stamp, scan.packets[0].stamp.stamp());
+  EXPECT_EQ(packets[39].payload,
+            std::vector<uint8_t>(hesai->packet().begin(), hesai->packet().end()));
+}
+
+TEST(BagImport, AnOustersPacketsComeWithItsMetadataAndInertialUnit) {
+  const ScratchFolder folder;
+  const auto encoder = fixtures::make_encoder({.model = fixtures::find_model("OS1-64")});
+  BagFile bag(folder / "a.mcap");
+  bag.write("/ouster/metadata", kSecond, ros::String{encoder->calibration()->text});
+  std::vector<fixtures::Echo> echoes(64, {10, 100});
+  for (int i = 0; i < 160; ++i) {
+    const Duration time(kSecond + i * 97'656);
+    if (encoder->add_sequence({static_cast<uint16_t>(18'000 + i * 35.156), time, echoes})) {
+      bag.write("/ouster/lidar_packets", time.count(), ros::OusterPacket{encoder->packet()});
+      const auto inertial = encoder->inertial_packet({time, {}, {0, 0, 9.8}});
+      bag.write("/ouster/imu_packets", time.count(), ros::OusterPacket{inertial});
+    }
+  }
+  bag.close();
+  const auto imported = import(folder);
+  ASSERT_TRUE(imported) << imported.error().message();
+  EXPECT_EQ(imported->packets, 20U);
+  EXPECT_EQ(imported->use_of("/ouster/imu_packets"), "positions of the lidar ouster");
+  const auto drive = recording::Drive::open(folder / "drive");
+  ASSERT_TRUE(drive);
+  ASSERT_EQ(drive->description.lidars.size(), 1U);
+  EXPECT_EQ(drive->description.lidars[0].calibration, "ouster.json");
+  EXPECT_EQ(text::read_text(folder / "drive/ouster.json", 1 << 20).value(),
+            encoder->calibration()->text);
 }
 
 }  // namespace

@@ -12,9 +12,9 @@ constexpr SequenceTiming kTiming{50'000, 60};
 using Azimuths = std::vector<uint16_t>;
 
 FiringPlan plan_of(const Azimuths& azimuths, const std::optional<FollowingPacket>& following,
-                   int previous_step) {
+                   int previous_step, double rate = 0) {
   FiringPlan plan;
-  plan_firings(azimuths, following, previous_step, kTiming, plan);
+  plan_firings(azimuths, following, previous_step, rate, kTiming, plan);
   return plan;
 }
 
@@ -58,6 +58,19 @@ TEST(FiringPlan, AJumpIsNotInterpolatedAndLaterSequencesAreRetimed) {
   EXPECT_EQ(times_us(plan), (std::vector<int64_t>{0, 50, 45'083, 45'133}));
   const auto alone = plan_of(packet, std::nullopt, 20);
   EXPECT_EQ(times_us(alone), (std::vector<int64_t>{0, 50, 45'125, 45'175}));
+}
+
+/// 20 hundredths in 50 µs. Three packets of four sequences are missing after the one with the jump;
+/// then also a whole turn.
+TEST(FiringPlan, PacketsMissingAfterAJumpDoNotMoveTheSequencesBehindIt) {
+  const Azimuths packet{8'960, 8'980, 27'010, 27'030};
+  const std::vector<int64_t> times{0, 50, 45'083, 45'133};
+  const double rate = 20.0 / 50'000;
+  EXPECT_EQ(times_us(plan_of(packet, FollowingPacket{27'050, 45'183'000}, 20, rate)), times);
+  const FollowingPacket after_loss{27'290, 45'783'000};
+  EXPECT_EQ(times_us(plan_of(packet, after_loss, 20, rate)), times);
+  const FollowingPacket after_turn{27'290, 45'783'000 + 90'000'000};
+  EXPECT_EQ(times_us(plan_of(packet, after_turn, 20, rate)), times);
 }
 
 TEST(FiringPlan, JitterBackwardsIsNotATurn) {

@@ -12,6 +12,16 @@
 namespace infuse::makers {
 namespace {
 
+/// A data packet of a Velodyne without returns.
+std::vector<uint8_t> flagged_packet() {
+  std::vector<uint8_t> bytes(velodyne::kPacketSize);
+  for (size_t block = 0; block < velodyne::kBlocks; ++block) {
+    bytes[100 * block] = 0xFF;
+    bytes[100 * block + 1] = 0xEE;
+  }
+  return bytes;
+}
+
 Stamp at_ms(int64_t ms) { return Stamp::from_ns(ms * 1'000'000); }
 
 TEST(Arrivals, MeasureRateGapsAndBackwardStamps) {
@@ -27,13 +37,17 @@ TEST(Arrivals, MeasureRateGapsAndBackwardStamps) {
 }
 
 TEST(CaptureSurvey, SortsDatagramsBySenderPortAndKind) {
-  const std::vector<uint8_t> data(velodyne::kPacketSize), other(100);
+  const std::vector<uint8_t> data = flagged_packet(), other(100);
   CaptureSurvey survey;
   survey.add({at_ms(0), 1, 2368, 2368, data});
   survey.add({at_ms(1), 2, 2368, 2368, data});
   survey.add({at_ms(2), 1, 2368, 2368, other});
   survey.add({at_ms(3), 1, 2368, 2368, data});
-  ASSERT_EQ(survey.streams().size(), 3U);
+  // Its size is not enough for a packet of a lidar.
+  const std::vector<uint8_t> noise(velodyne::kPacketSize, 0x5A);
+  survey.add({at_ms(4), 3, 2368, 2368, noise});
+  ASSERT_EQ(survey.streams().size(), 4U);
+  EXPECT_EQ(survey.streams()[3].packet_class, lidar::PacketClass::kOther);
   EXPECT_EQ(survey.streams()[0].arrivals.count, 2U);
   EXPECT_EQ(survey.streams()[0].packet_class, lidar::PacketClass::kData);
   EXPECT_EQ(survey.streams()[1].sender, 2U);

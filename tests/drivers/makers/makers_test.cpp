@@ -13,6 +13,10 @@ namespace {
 
 constexpr Stamp kStart = Stamp::from_ns(1'700'000'000'000'000'000);
 
+std::vector<uint8_t> velodyne_packet() {
+  return velodyne::maker().example_packet(velodyne::lidar_model(velodyne::Model::kVlp16), 0, 10);
+}
+
 /// Every sweep of these packets; `received`: indices in the order of arrival.
 std::vector<Sweep> decode(lidar::LidarDecoder& decoder, const std::vector<uint32_t>& received) {
   std::vector<Sweep> sweeps;
@@ -45,7 +49,7 @@ TEST(Makers, TheListKnowsVelodyne) {
   const auto wrong = require_model("ringer4", "--model");
   ASSERT_FALSE(wrong);
   EXPECT_THAT(wrong.error().message(), testing::HasSubstr("VLS-128"));
-  EXPECT_EQ(classify(std::vector<uint8_t>(velodyne::kPacketSize)).maker, &velodyne::maker());
+  EXPECT_EQ(classify(velodyne_packet()).maker, &velodyne::maker());
   EXPECT_EQ(classify(std::vector<uint8_t>(7)).maker, nullptr);
 }
 
@@ -125,7 +129,7 @@ TEST(Makers, ACaptureMayHoldSeveralMakersAndNoise) {
   add(made_up::maker());
   EXPECT_EQ(find_model("ringer4"), &made_up::model());
   CaptureSurvey survey;
-  const std::vector<uint8_t> velodyne(velodyne::kPacketSize), noise(33);
+  const std::vector<uint8_t> velodyne = velodyne_packet(), noise(33);
   for (uint32_t i = 0; i < 20; ++i) {
     const Stamp stamp = kStart + Duration(1'000'000) * i;
     const auto payload = made_up::packet(i, kStart, 10);

@@ -280,15 +280,34 @@ TEST(PcapReader, TruncationAtAnyByteKeepsCompletePacketsAndReportsTheEnd) {
   }
 }
 
-TEST(PcapReader, ReadingEndsAtDamageInTheMiddle) {
+TEST(PcapReader, ReadingGoesOnBehindADamagedRecord) {
   const Bytes frame = ethernet(ipv4(udp(make_payload(100))));
-  Bytes file = pcap(kEthernet, std::vector<Record>(10, {1, 0, frame}));
-  const size_t third = 24 + 2 * (16 + frame.size());
-  for (size_t i = 0; i < 16; ++i) file[third + i] = 0xFF;
-  const PcapOutcome outcome = read_pcap(file);
-  EXPECT_EQ(outcome.datagrams.size(), 2u);
-  ASSERT_TRUE(outcome.damage);
-  EXPECT_THAT(outcome.damage->message(), HasSubstr("packet 3, byte " + std::to_string(third)));
+  const Bytes whole = pcap(kEthernet, std::vector<Record>(10, {1, 0, frame}));
+  const size_t record = 16 + frame.size(), third = 24 + 2 * record;
+  for (const bool too_long : {true, false}) {
+    Bytes file = whole;
+    // A length beyond all others, or one that ends within the packet.
+    for (size_t i = 8; i < 12; ++i) file[third + i] = too_long ? 0xFF : uint8_t{0};
+    if (!too_long) file[third + 8] = 60;
+    auto reader = PcapReader::from_bytes(file, "damaged.pcap");
+    ASSERT_TRUE(reader);
+    Datagram datagram;
+    size_t datagrams = 0;
+    while (reader->next(datagram)) datagrams += datagram.payload.size() == 100;
+    EXPECT_EQ(datagrams, 9u);
+    EXPECT_EQ(reader->counters().skipped_bytes, too_long ? record : record - 16 - 60);
+    std::vector<Error> notes;
+    reader->append_notes(notes);
+    ASSERT_FALSE(notes.empty());
+    EXPECT_THAT(notes.back().message(), HasSubstr("bytes are no packets, and were skipped"));
+  }
+}
+
+TEST(PcapReader, NamesACompressionThatIsNotRead) {
+  const Bytes xz = {0xFD, '7', 'z', 'X', 'Z', 0, 0, 4, 0xE6, 0xD6, 0xB4, 0x46, 2, 0};
+  const auto reader = PcapReader::from_bytes(xz, "drive.pcap.xz");
+  ASSERT_FALSE(reader);
+  EXPECT_THAT(reader.error().message(), HasSubstr("unpack it first: unxz"));
 }
 
 TEST(PcapReader, RejectsFilesThatAreNotCaptures) {

@@ -81,6 +81,17 @@ TEST(RobosenseInfoPacket, HoldsAnglesModeAndClock) {
   EXPECT_EQ(packet->calibration.beams[31], (BeamAngles{0, 0}));
 }
 
+TEST(RobosenseInfoPacket, NamesSoftwareUnitModeAndSourceOfTime) {
+  auto bytes = make_info_packet({}, {}, 0);
+  put(bytes, 50, 0x0020122202, 5);
+  put(bytes, 292, 0x2410BAC9D50B, 6);
+  EXPECT_EQ(maker().describe(bytes),
+            "software 20122202, serial number 2410bac9d50b, two returns, time of gPTP");
+  bytes[301] = 0;
+  bytes[302] = 0;
+  EXPECT_NE(maker().describe(bytes).find("time of GPS, which is not there"), std::string::npos);
+}
+
 TEST(RobosenseInfoPacket, WhatIsEmptyIsNotKnown) {
   auto bytes = make_info_packet({}, {}, 9);
   bytes[301] = 7;

@@ -91,6 +91,18 @@ TEST(ModelInference, TwoSensorsOfOneAddressAreRecognised) {
   }
 }
 
+/// One model alone has the timing of an HDL-32E; that of a VLP-16 is a Puck Hi-Res' too.
+TEST(ModelInference, AnUnknownProductByteLeavesTheTimingToDecide) {
+  const Scene hdl = make_scene({.turns = 1, .calibration = built_in_calibration(Model::kHdl32e)});
+  const auto inferred = infer(hdl, uint8_t{0x99});
+  ASSERT_TRUE(inferred);
+  EXPECT_EQ(inferred->model, &lidar_model(Model::kHdl32e));
+  EXPECT_NE(inferred->reason.find("product byte 0x99 says no known model"), std::string::npos);
+  const Scene vlp = make_scene(
+      {.model = Model::kVlp16, .turns = 1, .calibration = built_in_calibration(Model::kVlp16)});
+  EXPECT_FALSE(infer(vlp, uint8_t{0x99}));
+}
+
 TEST(ModelInference, GivesNoModelForTooFewPacketsOrOtherData) {
   const Scene scene = make_scene({.turns = 1, .calibration = built_in_calibration(Model::kHdl32e)});
   ModelInference inference;
@@ -98,7 +110,6 @@ TEST(ModelInference, GivesNoModelForTooFewPacketsOrOtherData) {
   for (size_t i = 0; i < 7; ++i) inference.add(scene.packets[i].payload);
   EXPECT_FALSE(inference.infer());
   for (size_t i = 7; i < 64; ++i) inference.add(scene.packets[i].payload);
-  EXPECT_FALSE(infer(scene, uint8_t{0x99}));
 
   ModelInference noise;
   for (size_t i = 0; i < 100; ++i) noise.add(std::vector<uint8_t>(kPacketSize, 7));

@@ -295,15 +295,27 @@ TEST(RealVlp32cHalfTurn, PacketsLostAcrossThePauseAreCounted) {
   const auto whole = data_packets(path);
   // Packets 151, 227, 302 contain the step over the part that is not scanned.
   for (const auto& [first, last] :
-       std::vector<std::pair<size_t, size_t>>{{207, 247}, {190, 230}, {226, 266}, {140, 240}}) {
+       std::vector<std::pair<size_t, size_t>>{{207, 247},
+                                              {190, 230},
+                                              {226, 266},
+                                              {140, 240},
+                                              // right behind the packet with the step
+                                              {152, 153},
+                                              {152, 162},
+                                              {152, 182},
+                                              {152, 228},
+                                              {76, 86}}) {
     auto packets = whole;
     packets.erase(packets.begin() + static_cast<long>(first),
                   packets.begin() + static_cast<long>(last));
     Decoder decoder({.model = &lidar_model(Model::kVlp32c), .cut_azimuth = 180});
-    assemble(decoder, packets);
+    const auto sweeps = assemble(decoder, packets);
     EXPECT_NEAR(static_cast<double>(decoder.counters().lost_network),
                 static_cast<double>(last - first), 1)
-        << first;
+        << first << " to " << last;
+    for (size_t i = 1; i + 1 < sweeps.size(); ++i) {
+      EXPECT_LT(to_seconds(sweeps[i].span), 0.0505) << first << " to " << last << ", sweep " << i;
+    }
   }
 }
 
