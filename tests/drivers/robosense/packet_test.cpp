@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "drivers/lidar/azimuth.hpp"
+#include "drivers/lidar/lidar_maker.hpp"
 #include "drivers/robosense/info_packet.hpp"
+#include "drivers/robosense/robosense_maker.hpp"
 #include "tests/drivers/robosense/made_packet.hpp"
 
 namespace infuse::robosense {

@@ -1,4 +1,5 @@
-#pragma once
+// Decodes packets of an OS1-64 in memory to complete sweeps, on one core, and compares with a plain
+// decoder on the same packets: point by point, by the published formula, into a vector of points.
 
 #include <benchmark/benchmark.h>
 
@@ -13,12 +14,12 @@
 #include "tests/drivers/ouster/made_metadata.hpp"
 #include "tests/drivers/ouster/made_packet.hpp"
 
-namespace infuse::bench {
+namespace infuse::ouster {
+namespace {
 
 /// A few turns of an OS1-64, nine directions of ten with a return.
 struct OusterTurns {
-  ouster::Metadata metadata =
-      ouster::parse_metadata(ouster::made_metadata({}), "made metadata").value();
+  Metadata metadata = parse_metadata(made_metadata({}), "made metadata").value();
   std::vector<std::vector<uint8_t>> packets;
   std::vector<Stamp> stamps;
   int64_t returns = 0;
@@ -27,15 +28,15 @@ struct OusterTurns {
     std::mt19937 random(1);
     for (int64_t column = 0; column < 4 * 1024; column += 16) {
       const int64_t device_ns = 1'000'000'000 + column * 97'656;
-      packets.push_back(ouster::made_packet(
+      packets.push_back(made_packet(
           metadata, {.frame_id = static_cast<uint32_t>(column / 1024),
                      .first_measurement_id = static_cast<uint16_t>(column % 1024),
                      .device_ns = device_ns,
                      .pixel = [&](uint16_t, size_t) {
-                       if (random() % 10 == 0) return ouster::MadePixel{};
+                       if (random() % 10 == 0) return MadePixel{};
                        ++returns;
-                       return ouster::MadePixel{1000 + static_cast<uint32_t>(random()) % 100'000, 0,
-                                                static_cast<uint8_t>(random()), 0, 0};
+                       return MadePixel{1000 + static_cast<uint32_t>(random()) % 100'000, 0,
+                                        static_cast<uint8_t>(random()), 0, 0};
                      }}));
       stamps.push_back(Stamp::from_ns(1'700'000'000'000'000'000 + device_ns));
     }
@@ -43,15 +44,15 @@ struct OusterTurns {
 };
 
 /// Decodes the packets to sweeps.
-inline void run_ouster(benchmark::State& state, const OusterTurns& input) {
+void run_ouster(benchmark::State& state, const OusterTurns& input) {
   ClockModelOptions clock;
   clock.modulo = Duration::zero();
   lidar::PacketCounters counters;
   lidar::Losses losses(counters);
-  std::optional<ouster::TurnAssembler> assembler;
+  std::optional<TurnAssembler> assembler;
   Sweep sweep;
   size_t decoded = 0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     state.PauseTiming();  // tables are made when a sensor starts
     assembler.emplace(input.metadata, lidar::DecoderOptions{.cut_azimuth = 180}, clock, counters,
                       losses);
@@ -77,12 +78,12 @@ struct PlainPoint {
 };
 
 /// Decodes the packets point by point, with the published formula.
-inline void run_plain_ouster(benchmark::State& state, const OusterTurns& input) {
-  const ouster::Metadata& metadata = input.metadata;
+void run_plain_ouster(benchmark::State& state, const OusterTurns& input) {
+  const Metadata& metadata = input.metadata;
   const double n = metadata.T_lidar_beam.translation().x();
   std::vector<PlainPoint> cloud;
   size_t decoded = 0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     for (const std::vector<uint8_t>& packet : input.packets) {
       for (size_t i = 0; i < 16; ++i) {
         const uint8_t* column = packet.data() + 32 + i * (12 + 64 * 12);
@@ -120,4 +121,15 @@ inline void run_plain_ouster(benchmark::State& state, const OusterTurns& input) 
   state.SetItemsProcessed(input.returns * static_cast<int64_t>(state.iterations()));
 }
 
-}  // namespace infuse::bench
+void register_all() {
+  static const OusterTurns input;
+  benchmark::RegisterBenchmark("decode/OS1-64/single",
+                               [](benchmark::State& state) { run_ouster(state, input); });
+  benchmark::RegisterBenchmark("decode/OS1-64/single/baseline:plain",
+                               [](benchmark::State& state) { run_plain_ouster(state, input); });
+}
+
+[[maybe_unused]] const bool registered = (register_all(), true);
+
+}  // namespace
+}  // namespace infuse::ouster
