@@ -106,7 +106,7 @@ class Track {
   Error no_motion(const std::string& path) const {
     const std::string reason = sweeps_ == 0 ? "its packets make no sweeps" : reason_;
     return {"no motion was found" + (reason.empty() ? "" : ": " + reason), path,
-            "infuse inspect tells whether the lidar turns"};
+            "infuse inspect says whether the lidar turns"};
   }
 
   double median_speed() const {

@@ -21,7 +21,7 @@ Result<std::unique_ptr<McapRecording>> McapRecording::create(const std::filesyst
 McapRecording::McapRecording(RosFile file, const MessageSetup& setup)
     : file_(std::move(file)), live_(setup.live) {
   for (size_t k = 0; k < setup.rig.lidars.size(); ++k) {
-    if (setup.packet_makers[k] == nullptr) continue;
+    if (!replaces_clouds(setup.packet_makers[k])) continue;
     refused_.insert(LidarTopics(setup.rig.lidars[k].name).points_raw);
   }
   file_.write_metadata(SensorMessages(setup, file_).metadata());

@@ -1,5 +1,7 @@
 #include "daemon/ros/message_setup.hpp"
 
+#include "drivers/ros/messages.hpp"
+
 namespace infuse::daemon {
 namespace {
 
@@ -9,6 +11,26 @@ const lidar::LidarMaker* packet_maker(const lidar::LidarModel& model) {
 }
 
 }  // namespace
+
+bool replaces_clouds(const lidar::LidarMaker* maker) {
+  return maker != nullptr && maker->ros_packets() == lidar::RosPackets::kVelodyneScan;
+}
+
+PacketTypes packet_types(const lidar::LidarMaker& maker) {
+  switch (maker.ros_packets()) {
+    case lidar::RosPackets::kVelodyneScan:
+      return {ros::VelodyneScan::kName, ros::UInt8MultiArray::kName};
+    case lidar::RosPackets::kPandarScan:
+      return {ros::PandarScan::kName, ros::UInt8MultiArray::kName};
+    case lidar::RosPackets::kRslidarPacket:
+      return {ros::RslidarPacket::kName, nullptr};
+    case lidar::RosPackets::kOusterPacket:
+      return {ros::OusterPacket::kName, ros::OusterPacket::kName};
+    case lidar::RosPackets::kNone:
+      break;
+  }
+  return {};
+}
 
 MessageSetup message_setup(const SensorSetup& setup) {
   MessageSetup messages{.rig = setup.rig};

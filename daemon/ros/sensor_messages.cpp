@@ -74,28 +74,52 @@ void SensorMessages::write_transforms(Stamp stamp) {
 }
 
 void SensorMessages::add_datagram(size_t lidar, std::span<const uint8_t> payload, Stamp stamp) {
-  const LidarTopics& topics = lidar_topics_[lidar];
   const lidar::LidarMaker* maker = setup_.packet_makers[lidar];
   if (maker == nullptr) return;  // its sweeps are written
   const lidar::PacketClass packet_class = maker->classify(payload);
-  if (packet_class == lidar::PacketClass::kInformation) {
-    const auto size = static_cast<uint32_t>(payload.size());
-    const ros::UInt8MultiArray bytes{{{"bytes", size, size}}, 0, payload};
-    return sink_.write(topics.position_packets, stamp, bytes);
-  }
-  if (packet_class != lidar::PacketClass::kData) {
+  if (packet_class == lidar::PacketClass::kOther) {
     ++other_datagrams_;
     return;
   }
-  if (!sink_.wants(topics.packets)) return scans_[lidar].clear();
-  const uint16_t azimuth = maker->first_azimuth(payload);
+  const LidarTopics& topics = lidar_topics_[lidar];
+  const bool data = packet_class == lidar::PacketClass::kData;
+  switch (maker->ros_packets()) {
+    case lidar::RosPackets::kVelodyneScan:
+    case lidar::RosPackets::kPandarScan:
+      return data ? add_to_scan(lidar, payload, stamp) : write_bytes(lidar, payload, stamp);
+    case lidar::RosPackets::kRslidarPacket:
+      return sink_.write(topics.packets, stamp,
+                         ros::RslidarPacket{header_of(stamp, lidar_frame(rig_, lidar)),
+                                            static_cast<uint8_t>(data ? 0 : 1), 0, payload});
+    case lidar::RosPackets::kOusterPacket:
+      return sink_.write(data ? topics.packets : topics.position_packets, stamp,
+                         ros::OusterPacket{payload});
+    case lidar::RosPackets::kNone:
+      break;
+  }
+}
+
+void SensorMessages::write_bytes(size_t lidar, std::span<const uint8_t> payload, Stamp stamp) {
+  const auto size = static_cast<uint32_t>(payload.size());
+  const ros::UInt8MultiArray bytes{{{"bytes", size, size}}, 0, payload};
+  sink_.write(lidar_topics_[lidar].position_packets, stamp, bytes);
+}
+
+void SensorMessages::add_to_scan(size_t lidar, std::span<const uint8_t> payload, Stamp stamp) {
+  if (!sink_.wants(lidar_topics_[lidar].packets)) return scans_[lidar].clear();
+  const uint16_t azimuth = setup_.packet_makers[lidar]->first_azimuth(payload);
   if (scans_[lidar].is_due(azimuth, stamp)) write_scan(lidar);
   scans_[lidar].add(payload, azimuth, stamp);
 }
 
 void SensorMessages::write_scan(size_t lidar) {
   const Stamp end = scans_[lidar].end();
-  sink_.write(lidar_topics_[lidar].packets, end, scans_[lidar].finish(lidar_frame(rig_, lidar)));
+  const std::string& topic = lidar_topics_[lidar].packets;
+  const std::string frame = lidar_frame(rig_, lidar);
+  if (setup_.packet_makers[lidar]->ros_packets() == lidar::RosPackets::kPandarScan) {
+    return sink_.write(topic, end, scans_[lidar].finish<ros::PandarScan>(frame));
+  }
+  sink_.write(topic, end, scans_[lidar].finish<ros::VelodyneScan>(frame));
 }
 
 void SensorMessages::write_sweep(size_t lidar, const Sweep& sweep, Stamp log_time) {

@@ -55,7 +55,9 @@ class SensorMessages {
   void append_notes(std::vector<Error>& notes) const;
 
  private:
+  void add_to_scan(size_t lidar, std::span<const uint8_t> payload, Stamp stamp);
   void write_scan(size_t lidar);
+  void write_bytes(size_t lidar, std::span<const uint8_t> payload, Stamp stamp);
   void write_wheels(const WheelOdometry& sample, bool from_bus);
   void write_imu(const ImuSample& sample, bool from_bus);
   void write_velocity(const GnssFix& fix);

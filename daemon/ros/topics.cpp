@@ -31,9 +31,10 @@ std::vector<TopicInfo> list_topics(const MessageSetup& setup) {
   };
   for (size_t k = 0; k < setup.rig.lidars.size(); ++k) {
     const LidarTopics lidar(setup.rig.lidars[k].name);
-    if (setup.packet_makers[k] != nullptr) {
-      add(lidar.packets, ros::VelodyneScan::kName);
-      add(lidar.position_packets, ros::UInt8MultiArray::kName);
+    if (const lidar::LidarMaker* maker = setup.packet_makers[k]) {
+      const PacketTypes types = packet_types(*maker);
+      add(lidar.packets, types.data);
+      if (types.others != nullptr) add(lidar.position_packets, types.others);
     }
     add(lidar.points_raw, ros::PointCloud2::kName);
     add(lidar.points, ros::PointCloud2::kName);

@@ -66,7 +66,8 @@ Result<ChosenUnit> choose_unit(const recording::Drive& drive, const recording::L
     if (*stated) {
       calibration = (*stated)->calibration;
       if (overrides.model == nullptr && configured.empty()) {
-        const std::string reason = "stated by " + calibration.filename().string();
+        const std::string reason =
+            fmt::format("stated by {}: {}", calibration.filename().string(), (*stated)->states);
         return ChosenUnit{{(*stated)->model, reason}, calibration};
       }
     }

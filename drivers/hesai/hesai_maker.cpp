@@ -70,6 +70,8 @@ class Maker final : public lidar::LidarMaker {
     return std::make_shared<UnitCalibration>(of_unit, *loaded);
   }
 
+  lidar::RosPackets ros_packets() const override { return lidar::RosPackets::kPandarScan; }
+
   std::optional<GnssFix> read_fix(const Datagram& datagram) const override {
     const auto packet = parse_gps_packet(datagram.payload);
     if (!packet || !packet->sentence) return std::nullopt;

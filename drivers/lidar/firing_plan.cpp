@@ -10,8 +10,8 @@ namespace {
 constexpr int64_t kMaxJumpNs = 1'000'000'000;  // one turn per second
 
 /// Sets the times of the sequences after the last jump by the following packet. Where packets are
-/// missing between, its azimuth tells how long they took, but for whole turns, which the rate
-/// tells.
+/// missing between, its azimuth shows how long they took, but for whole turns, which the rate
+/// does.
 void retime_after_jump(FiringPlan& plan, const FollowingPacket& following, double rate,
                        const SequenceTiming& timing) {
   const size_t first = plan.last_jump;

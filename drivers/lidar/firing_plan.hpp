@@ -48,7 +48,7 @@ struct SequenceTiming {
 /// comes from the following packet if that follows directly; otherwise it is the step before it
 /// (`previous_step` if there is none). Over a jump inside the packet (a sensor configured to scan a
 /// part of the turn) nothing is interpolated; the sequences after it are timed backwards from the
-/// following packet, whose azimuth tells how many sequences lie between, or by the rate of rotation
+/// following packet, whose azimuth shows how many sequences lie between, or by the rate of rotation
 /// without one. `rate`: 0.01° per ns; 0: unknown, that of the step before applies.
 void plan_firings(std::span<const uint16_t> azimuths,
                   const std::optional<FollowingPacket>& following, int previous_step, double rate,

@@ -36,8 +36,11 @@ struct LidarPorts {
 
 /// Message in which ROS drivers publish a maker's data packets.
 enum class RosPackets : uint8_t {
-  kNone,          ///< none that is known here: sweeps are published instead
-  kVelodyneScan,  ///< velodyne_msgs/VelodyneScan: the packets of a turn, 1206 bytes each
+  kNone,           ///< none that is known here: sweeps are published instead
+  kVelodyneScan,   ///< velodyne_msgs/VelodyneScan: the packets of a turn, 1206 bytes each
+  kPandarScan,     ///< pandar_msgs/PandarScan: the packets of a turn
+  kRslidarPacket,  ///< rslidar_msg/RslidarPacket: a packet of any kind
+  kOusterPacket,   ///< ouster_sensor_msgs/PacketMsg: a packet; inertial ones on another topic
 };
 
 /// A packet at the beginning of bytes that may hold anything.
@@ -51,6 +54,7 @@ struct FoundPacket {
 struct StatedModel {
   const LidarModel* model = nullptr;
   std::filesystem::path calibration;  ///< the file, or what else names it
+  std::string states;                 ///< what it states of firmware, modes and clock, for people
 };
 
 /// What a data packet states of its sensor.

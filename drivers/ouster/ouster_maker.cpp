@@ -98,6 +98,18 @@ std::vector<lidar::LidarModel> lidar_models() {
   return list;
 }
 
+/// "firmware v2.3.0, serial number 992110000123, RNG19_RFL8_SIG16_NIR16, 1024 columns, time of
+/// PTP".
+std::string describe_unit(const Metadata& metadata) {
+  std::string text;
+  if (!metadata.firmware.empty()) text += "firmware " + metadata.firmware + ", ";
+  if (!metadata.serial_number.empty()) text += "serial number " + metadata.serial_number + ", ";
+  text.append(profile_info(metadata.profile).name);
+  text += ", " + std::to_string(metadata.columns_per_turn) + " columns";
+  if (metadata.time_mode == TimeMode::kUnknown) return text;
+  return text + ", time of " + describe(metadata.time_mode);
+}
+
 class Maker final : public lidar::LidarMaker {
  public:
   Maker() : LidarMaker("Ouster", {.data = 7502, .information = 7503}, lidar_models()) {}
@@ -144,6 +156,8 @@ class Maker final : public lidar::LidarMaker {
     return missing_metadata(capture.string(), reason);
   }
 
+  lidar::RosPackets ros_packets() const override { return lidar::RosPackets::kOusterPacket; }
+
   size_t max_datagram() const override { return 33'024; }
 
  private:
@@ -161,7 +175,7 @@ class Maker final : public lidar::LidarMaker {
     if (model == nullptr) {
       return fail("states the unknown model \"" + metadata->model() + "\"", file.string());
     }
-    return lidar::StatedModel{model, file};
+    return lidar::StatedModel{model, file, describe_unit(*metadata)};
   }
 };
 

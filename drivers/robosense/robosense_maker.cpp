@@ -61,6 +61,8 @@ class Maker final : public lidar::LidarMaker {
     return std::make_unique<Decoder>(options);
   }
 
+  lidar::RosPackets ros_packets() const override { return lidar::RosPackets::kRslidarPacket; }
+
   std::optional<GnssFix> read_fix(const Datagram& datagram) const override {
     const auto packet = parse_info_packet(datagram.payload);
     if (!packet || !packet->sentence) return std::nullopt;

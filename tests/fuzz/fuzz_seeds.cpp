@@ -243,6 +243,10 @@ void write_messages(const std::filesystem::path& folder) {
   write_message(folder, 3, ros::CameraInfo{.distortion_model = "plumb_bob", .d = {1, 2, 3, 4, 5}});
   write_message(folder, 4, ros::TfMessage{{{{}, "lidar", {}}, {{}, "camera", {}}}});
   write_message(folder, 5, ros::VelodyneScan{{}, {{}}});
+  write_message(folder, 13, ros::PandarScan{{}, {{}}});
+  write_message(folder, 14, ros::NebulaPackets{{}, {{{}, std::span(data).first(18)}}});
+  write_message(folder, 15, ros::RslidarPacket{{}, 1, 0, std::span(data).first(18)});
+  write_message(folder, 17, ros::OusterPacket{std::span(data).first(18)});
   write_message(folder, 11, ros::DiagnosticArray{{}, {{1, "a", "b", "c", {{"k", "v"}}}}});
 }
 

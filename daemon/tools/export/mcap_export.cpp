@@ -25,8 +25,8 @@ class DriveExport {
       : setup_(setup), messages_(message_setup(setup), file), vehicle_(setup.vehicle) {
     const MessageSetup messages = message_setup(setup);
     for (size_t k = 0; k < setup.rig.lidars.size(); ++k) {
-      const bool has_messages = messages.packet_makers[k] != nullptr;
-      writes_raw_.push_back(setup.lidars[k].has_packets && !has_messages);
+      const bool packets_only = replaces_clouds(messages.packet_makers[k]);
+      writes_raw_.push_back(setup.lidars[k].has_packets && !packets_only);
       const bool decodes = deskew || writes_raw_[k];
       intakes_.push_back(decodes ? std::make_unique<LidarIntake>(setup.lidars[k]) : nullptr);
       if (!deskew) continue;
