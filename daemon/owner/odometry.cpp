@@ -55,6 +55,13 @@ class Track {
 
   const std::vector<recording::TrajectoryPose>& poses() const { return poses_; }
 
+  /// Why there is no pose.
+  Error no_motion(const std::string& path) const {
+    const std::string reason = sweeps_ == 0 ? "its packets make no sweeps" : reason_;
+    return {"no motion was found" + (reason.empty() ? "" : ": " + reason), path,
+            "infuse inspect says whether the lidar turns"};
+  }
+
   void print_notes() const {
     if (not_deskewed_ > 0) {
       std::cerr << fmt::format("{}: note: {} sweep(s) not deskewed: {}\n", kProgram, not_deskewed_,
@@ -100,13 +107,6 @@ class Track {
       ++free_;
       free_text_ = result.registration.free_directions_text();
     }
-  }
-
-  /// Why there is no pose.
-  Error no_motion(const std::string& path) const {
-    const std::string reason = sweeps_ == 0 ? "its packets make no sweeps" : reason_;
-    return {"no motion was found" + (reason.empty() ? "" : ": " + reason), path,
-            "infuse inspect says whether the lidar turns"};
   }
 
   double median_speed() const {

@@ -7,6 +7,7 @@
 #include "drivers/gnss/nmea.hpp"
 #include "drivers/hesai/calibration_file.hpp"
 #include "drivers/hesai/decoder.hpp"
+#include "drivers/hesai/example_turn.hpp"
 #include "drivers/hesai/firing_times.hpp"
 #include "drivers/hesai/gps_packet.hpp"
 #include "drivers/hesai/packet.hpp"
@@ -68,6 +69,17 @@ class Maker final : public lidar::LidarMaker {
     const auto loaded = load_angle_csv(file, model_info(of_unit));
     if (!loaded) return tl::unexpected(loaded.error());
     return std::make_shared<UnitCalibration>(of_unit, *loaded);
+  }
+
+  std::vector<uint8_t> example_packet(const lidar::LidarModel& model, uint32_t index,
+                                      double radius) const override {
+    const ModelInfo& info = model_info(model_of(model));
+    const bool is_xt = info.model == Model::kXt16 || info.model == Model::kXt32;
+    return is_xt ? hesai::example_packet(info, index, radius) : std::vector<uint8_t>();
+  }
+
+  Duration example_period(const lidar::LidarModel& model) const override {
+    return model_info(model_of(model)).period * model_info(model_of(model)).blocks;
   }
 
   lidar::RosPackets ros_packets() const override { return lidar::RosPackets::kPandarScan; }

@@ -9,7 +9,6 @@ namespace infuse::robosense {
 namespace {
 
 constexpr int kMaxTurnsPerSecond = 30;
-constexpr int32_t kFiringPeriodNs = 55'556;
 constexpr size_t kSteps = 128;
 
 // Firing times of the channels, ns: the manuals' appendix on the time of a point. With one return
@@ -32,13 +31,13 @@ size_t firings_in_block(const ModelInfo& info) { return kChannels / info.lasers;
 
 int32_t slot_time_ns(const ModelInfo& info, bool dual, size_t slot) {
   if (info.model == Model::kHelios) return (dual ? kDualTimes : kSingleTimes)[slot];
-  return k16pTimes[slot % info.lasers] + static_cast<int32_t>(slot / info.lasers) * kFiringPeriodNs;
+  return k16pTimes[slot % info.lasers] + static_cast<int32_t>(slot / info.lasers) * kBlockPeriodNs;
 }
 
 }  // namespace
 
 int max_step(const ModelInfo& info) {
-  const double block_s = 1e-9 * kFiringPeriodNs * static_cast<double>(firings_in_block(info));
+  const double block_s = 1e-9 * kBlockPeriodNs * static_cast<double>(firings_in_block(info));
   return static_cast<int>(std::ceil(kMaxTurnsPerSecond * lidar::kCentidegreesPerTurn * block_s));
 }
 
@@ -52,7 +51,7 @@ BeamTable::BeamTable(Model model, const Calibration& calibration, bool single_or
 
 int32_t BeamTable::period_ns() const {
   const bool twice = info_->model == Model::kHelios16p && !dual_;
-  return twice ? 2 * kFiringPeriodNs : kFiringPeriodNs;
+  return twice ? 2 * kBlockPeriodNs : kBlockPeriodNs;
 }
 
 int32_t BeamTable::last_firing_ns() const {

@@ -8,6 +8,9 @@
 
 namespace infuse::robosense {
 
+/// Time from one firing of all channels to the next, ns: that of a block of an RS-Helios.
+inline constexpr int32_t kBlockPeriodNs = 55'556;
+
 /// Distance of the beams' origins from the axis of rotation, m.
 inline constexpr double kOriginM = 0.03498;
 

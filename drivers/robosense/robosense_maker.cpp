@@ -7,6 +7,7 @@
 #include "drivers/gnss/nmea.hpp"
 #include "drivers/lidar/lidar_maker.hpp"
 #include "drivers/robosense/decoder.hpp"
+#include "drivers/robosense/example_turn.hpp"
 #include "drivers/robosense/info_packet.hpp"
 
 namespace infuse::robosense {
@@ -59,6 +60,16 @@ class Maker final : public lidar::LidarMaker {
   Result<std::unique_ptr<lidar::LidarDecoder>> new_decoder(
       const lidar::DecoderOptions& options) const override {
     return std::make_unique<Decoder>(options);
+  }
+
+  std::vector<uint8_t> example_packet(const lidar::LidarModel& model, uint32_t index,
+                                      double radius) const override {
+    if (model_of(model) != Model::kHelios) return {};
+    return robosense::example_packet(index, radius);
+  }
+
+  Duration example_period(const lidar::LidarModel&) const override {
+    return Duration(int64_t{kBlockPeriodNs} * static_cast<int64_t>(kBlocks));
   }
 
   lidar::RosPackets ros_packets() const override { return lidar::RosPackets::kRslidarPacket; }

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "drivers/makers/capture_survey.hpp"
 #include "drivers/velodyne/packet.hpp"
 #include "drivers/velodyne/velodyne_maker.hpp"
@@ -122,6 +125,32 @@ TEST(MadeUpMaker, AnImpossibleTimeIsMalformed) {
   EXPECT_EQ(decoder->counters().malformed, 2U);
   EXPECT_STREQ(decoder->counters().malformed_reason, "an impossible device time");
   EXPECT_EQ(decoder->counters().packets, 0U);
+}
+
+/// Two turns of each maker's example give sweeps of its range.
+TEST(Makers, AnExampleIsDecodedToItsRange) {
+  size_t makers_with_one = 0;
+  for (const lidar::LidarMaker* maker : all()) {
+    for (const lidar::LidarModel& model : maker->models()) {
+      if (maker->example_packet(model, 0, 20).empty()) continue;
+      ++makers_with_one;
+      const auto decoder = lidar::make_decoder({.model = &model}).value();
+      Sweep sweep;
+      size_t right = 0;
+      for (uint32_t i = 0; i * maker->example_period(model) < from_seconds(0.25); ++i) {
+        const auto payload = maker->example_packet(model, i, 20);
+        decoder->push({kStart + (i + 1) * maker->example_period(model), 1, 1, 1, payload});
+        while (decoder->pull(sweep)) {
+          const auto of_range = std::ranges::count_if(
+              sweep.range, [](float range) { return std::abs(range - 20) < 0.01; });
+          right += static_cast<size_t>(of_range) == sweep.size() && sweep.gaps.empty();
+        }
+      }
+      EXPECT_GE(right, 1U) << model.name;
+      EXPECT_EQ(decoder->counters().malformed + decoder->counters().lost_network, 0U) << model.name;
+    }
+  }
+  EXPECT_GE(makers_with_one, 7U);
 }
 
 // The list is the program's: this test comes last.
