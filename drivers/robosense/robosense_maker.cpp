@@ -48,12 +48,13 @@ class Maker final : public lidar::LidarMaker {
   std::string describe(std::span<const uint8_t> payload) const override {
     const auto packet = parse_info_packet(payload);
     if (!packet) return "";
-    std::string text = "software " + packet->software + ", serial number " + packet->serial_number;
-    if (packet->mode) text += std::string(", ") + name_of(*packet->mode);
-    if (packet->time_mode) {
-      text += std::string(", time of ") + name_of(*packet->time_mode) +
-              (packet->synchronised ? "" : ", which is not there");
-    }
+    std::string text;
+    const auto add = [&](const std::string& more) { text += (text.empty() ? "" : ", ") + more; };
+    if (!packet->software.empty()) add("software " + packet->software);
+    if (!packet->serial_number.empty()) add("serial number " + packet->serial_number);
+    if (packet->mode) add(name_of(*packet->mode));
+    if (packet->time_mode) add(std::string("time of ") + name_of(*packet->time_mode));
+    if (packet->time_mode && !packet->synchronised) add("which is not there");
     return text;
   }
 

@@ -227,7 +227,10 @@ TEST(RobosenseMaker, TellsPacketsByTheirFirstBytes) {
   auto info = make_info_packet({}, {});
   EXPECT_EQ(maker().classify(data), lidar::PacketClass::kData);
   EXPECT_EQ(maker().classify(info), lidar::PacketClass::kInformation);
-  EXPECT_EQ(maker().classify(std::span(data).first(1'247)), lidar::PacketClass::kOther);
+  // Another length is of another model, which is not known.
+  EXPECT_EQ(maker().classify(std::span(data).first(1'247)), lidar::PacketClass::kData);
+  EXPECT_EQ(maker().read_stated(std::span(data).first(1'247))->model, nullptr);
+  EXPECT_EQ(maker().classify(std::span(data).first(900)), lidar::PacketClass::kOther);
   EXPECT_EQ(maker().first_azimuth(data), 17'000);
   info.resize(2'000);
   const auto found = maker().find_packet(info);
