@@ -148,7 +148,6 @@ TEST(MakersDrive, AnXt32DoesAsWellAsAnHdl32e) {
   EXPECT_LT(known.deskew_m, 0.06);
   EXPECT_LT(other.deskew_m, 1.2 * known.deskew_m);
   EXPECT_LT(other.odometry_m, 1.2 * known.odometry_m + 0.02);
-  std::printf("%.4f %.4f  %.4f %.4f\n", known.deskew_m, other.deskew_m, known.odometry_m,
               other.odometry_m);
 }
 

@@ -44,7 +44,7 @@ TEST(MadeUpMaker, ReplaysInspectsAndExports) {
   ASSERT_EQ(replayed->sensors.size(), 1U);
   EXPECT_EQ(replayed->sensors[0].device.model, "Ringer 4");
   EXPECT_THAT(replayed->sensors[0].device.model_reason,
-              testing::HasSubstr("10.00 turns per second"));
+              testing::HasSubstr("10.0 turns per second"));
   EXPECT_EQ(replayed->totals.counters.lidars[0].packets, kPackets);
   EXPECT_EQ(replayed->totals.counters.lidars[0].sweeps, kSweeps);
   EXPECT_EQ(replayed->totals.counters.lidars[0].returns, uint64_t{kPackets} * 32);
