@@ -9,12 +9,11 @@ namespace {
 
 using namespace infuse;
 
-using Types =
-    std::tuple<ros::PointCloud2, ros::Image, ros::CompressedImage, ros::CameraInfo, ros::TfMessage,
-               ros::VelodyneScan, ros::Imu, ros::NavSatFix, ros::Odometry, ros::TwistStamped,
-               ros::UInt8MultiArray, ros::DiagnosticArray, ros::TwistWithCovarianceStamped,
-               ros::PandarScan, ros::NebulaPackets, ros::RslidarPacket, ros::OldRslidarScan,
-               ros::OusterPacket, ros::String>;
+using Types = std::tuple<ros::PointCloud2, ros::Image, ros::CompressedImage, ros::CameraInfo,
+                         ros::TfMessage, ros::VelodyneScan, ros::Imu, ros::NavSatFix, ros::Odometry,
+                         ros::TwistStamped, ros::UInt8MultiArray, ros::DiagnosticArray,
+                         ros::TwistWithCovarianceStamped, ros::PandarScan, ros::NebulaPackets,
+                         ros::RslidarPacket, ros::OldRslidarScan, ros::OusterPacket, ros::String>;
 
 /// What is decoded is the same after being encoded and decoded again.
 template <class T>
