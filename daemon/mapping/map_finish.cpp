@@ -5,13 +5,13 @@
 #include <cmath>
 #include <utility>
 
-#include "daemon/mapping/checksum.hpp"
 #include "daemon/mapping/closure_verifier.hpp"
 #include "daemon/mapping/g2o_file.hpp"
 #include "daemon/mapping/place_map.hpp"
 #include "drivers/gnss/local_frame.hpp"
 #include "drivers/measurement/angles.hpp"
 #include "drivers/recording/trajectory_file.hpp"
+#include "drivers/text/checksum.hpp"
 #include "fusion/mapping/robust.hpp"
 
 namespace infuse::daemon {
@@ -299,12 +299,12 @@ Result<MapSummary> finish_map(const MapFolder& folder, const MapDrive& drive,
   }
   for (const auto& [name, text] : files) {
     if (auto written = folder.write(name, text); !written) return tl::unexpected(written.error());
-    manifest["files"][name] = checksum(text);
+    manifest["files"][name] = text::checksum(text);
   }
   for (const char* earlier : {map_file::kDrive, map_file::kClosures}) {
     const auto text = folder.read(earlier);
     if (!text) return tl::unexpected(text.error());
-    manifest["files"][earlier] = checksum(*text);
+    manifest["files"][earlier] = text::checksum(*text);
   }
   const auto written = folder.write(
       map_file::kMap, manifest.dump(1, ' ', false, MapJson::error_handler_t::replace) + "\n");

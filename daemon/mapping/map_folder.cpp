@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <array>
 
-#include "daemon/mapping/checksum.hpp"
 #include "daemon/mapping/cloud_file.hpp"
 #include "daemon/mapping/g2o_file.hpp"
 #include "drivers/recording/atomic_file.hpp"
 #include "drivers/recording/rigid_matrix.hpp"
+#include "drivers/text/checksum.hpp"
 #include "drivers/text/text_file.hpp"
 
 namespace infuse::daemon {
@@ -128,7 +128,7 @@ Result<void> MapFolder::write(const std::string& name, std::string_view bytes) c
 
 Result<std::string> MapFolder::read(const std::string& name, const std::string& sum) const {
   auto bytes = text::read_text(path_ / name, kMaxMapFileBytes);
-  if (bytes && !sum.empty() && checksum(*bytes) != sum) {
+  if (bytes && !sum.empty() && text::checksum(*bytes) != sum) {
     return fail("the file is damaged: its checksum is not the stated one", path_of(name),
                 "make the map anew");
   }

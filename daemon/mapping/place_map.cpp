@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "daemon/mapping/checksum.hpp"
+#include "drivers/text/checksum.hpp"
 
 namespace infuse::daemon {
 
@@ -53,7 +53,7 @@ Result<void> write_drive(const MapFolder& folder, MapJson manifest,
        {std::pair{map_file::kKeyframes, &keyframes_text}, std::pair{map_file::kFixes, &fixes_text},
         std::pair{map_file::kPlaces, &places_bytes}}) {
     if (auto written = folder.write(name, *text); !written) return written;
-    manifest["files"][name] = checksum(*text);
+    manifest["files"][name] = text::checksum(*text);
   }
   return folder.write(map_file::kDrive,
                       manifest.dump(1, ' ', false, MapJson::error_handler_t::replace) + "\n");
@@ -64,6 +64,11 @@ Result<places::PlaceMap> open_place_map(const MapFolder& folder) {
   if (!content) return tl::unexpected(content.error());
   auto descriptors = read_places(folder, content->drive);
   if (!descriptors) return tl::unexpected(descriptors.error());
+  for (size_t k = 0; k < content->drive.keyframes.size(); ++k) {
+    if (const std::string name = MapFolder::cloud_name(k); !folder.has(name)) {
+      return fail("is missing", folder.path_of(name), "make the map anew, or copy all of it");
+    }
+  }
   places::PlaceMap map;
   map.T_map_vehicle = std::move(content->T_map_vehicle);
   map.T_vehicle_lidar = content->drive.T_vehicle_lidar;
@@ -72,6 +77,13 @@ Result<places::PlaceMap> open_place_map(const MapFolder& folder) {
     return folder.read_cloud(keyframes, k);
   };
   return map;
+}
+
+Result<void> check_clouds(const places::PlaceMap& map) {
+  for (size_t k = 0; k < map.descriptors.size(); ++k) {
+    if (auto cloud = map.read_cloud(k); !cloud) return tl::unexpected(cloud.error());
+  }
+  return {};
 }
 
 }  // namespace infuse::daemon

@@ -26,8 +26,11 @@ Result<void> write_drive(const MapFolder& folder, MapJson manifest,
                          const std::vector<MapFix>& fixes,
                          const std::vector<places::PlaceDescriptor>& places);
 
-/// Opens a complete map for localisation: its keyframes and places are read, its clouds when they
-/// are needed.
+/// Opens a complete map for localisation: its keyframes and places are read, its clouds, which must
+/// be there, when they are needed.
 Result<places::PlaceMap> open_place_map(const MapFolder& folder);
+
+/// Reads every cloud. Fails at the first whose checksum is not that of the map.
+Result<void> check_clouds(const places::PlaceMap& map);
 
 }  // namespace infuse::daemon

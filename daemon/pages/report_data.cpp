@@ -7,6 +7,7 @@
 #include "daemon/protocol/report_class.hpp"
 #include "drivers/measurement/angles.hpp"
 #include "drivers/recording/rigid_matrix.hpp"
+#include "drivers/text/text_file.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
 
 namespace infuse::daemon {
@@ -218,9 +219,10 @@ Json ReportData::to_json() const {
 }
 
 Result<ReportData> read_reports(const std::string& path) {
+  if (const auto regular = text::open_regular_file(path); !regular) {
+    return fail(regular.error().what, path, "write it with infused --replay DRIVE --reports");
+  }
   std::ifstream file(path, std::ios::binary);
-  if (!file)
-    return fail("cannot be opened", path, "write it with infused --replay DRIVE --reports");
   ReportData data;
   std::string line;
   // Read in pieces, so that a file without line feeds does not fill the memory.

@@ -9,7 +9,7 @@ namespace {
 
 /// Reads a regular file of at most `max_bytes`; does not allocate once `bytes` has been as large.
 bool read_file(const char* path, size_t max_bytes, std::vector<uint8_t>& bytes) {
-  const int file = ::open(path, O_RDONLY | O_CLOEXEC);
+  const int file = ::open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (file < 0) return false;
   struct stat status {};
   bool whole = ::fstat(file, &status) == 0 && S_ISREG(status.st_mode) && status.st_size > 0 &&

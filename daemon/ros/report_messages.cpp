@@ -6,6 +6,7 @@
 
 #include "daemon/ros/topics.hpp"
 #include "drivers/ros/messages.hpp"
+#include "drivers/text/text_file.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -163,8 +164,10 @@ bool write_report_message(const std::string& line, MessageSink& sink) {
 
 Result<void> write_report_messages(const std::filesystem::path& reports, MessageSink& sink,
                                    std::vector<Error>& notes) {
+  if (const auto regular = text::open_regular_file(reports); !regular) {
+    return tl::unexpected(regular.error());
+  }
   std::ifstream lines(reports);
-  if (!lines) return fail("cannot be read", reports.string());
   size_t others = 0;
   for (std::string line; std::getline(lines, line);) {
     if (!write_report_message(line, sink)) ++others;

@@ -121,7 +121,17 @@ Result<V4l2Source> V4l2Source::open(const V4l2Options& options, const receive::T
   }
   for (const auto step : {&V4l2Source::check_capabilities, &V4l2Source::negotiate,
                           &V4l2Source::set_rate, &V4l2Source::set_controls, &V4l2Source::start}) {
-    if (const auto done = (source.*step)(); !done) return tl::unexpected(done.error());
+    const auto done = (source.*step)();
+    if (done) continue;
+    // Cameras that share a USB bus do not fit it uncompressed.
+    if (!source.no_bandwidth_ || options.format ||
+        !has_format(source.device_.get(), V4L2_PIX_FMT_MJPEG)) {
+      return tl::unexpected(done.error());
+    }
+    V4l2Options compressed = options;
+    compressed.format = RawFormat::kMjpeg;
+    source = V4l2Source(options, base);  // closes the device
+    return open(compressed, base);
   }
   return source;
 }
@@ -241,7 +251,11 @@ Result<void> V4l2Source::start() {
   }
   int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   if (!xioctl(device_.get(), VIDIOC_STREAMON, type)) {
-    return receive::fail_errno("cannot start streaming", options_.device);
+    no_bandwidth_ = errno == ENOSPC;
+    return receive::fail_errno("cannot start streaming", options_.device,
+                               no_bandwidth_ ? "other cameras use its USB bus: set a smaller "
+                                               "width or rate_hz, or use another USB controller"
+                                             : "");
   }
   return {};
 }

@@ -86,6 +86,7 @@ class V4l2Source {
 
   V4l2Options options_;
   receive::TimeBase base_;
+  bool no_bandwidth_ = false;  // the last start found its bus full
   receive::FileDescriptor device_;
   std::vector<Mapping> buffers_;
   RawImage image_layout_;  // all but its bytes

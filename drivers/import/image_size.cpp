@@ -5,6 +5,7 @@
 #include <span>
 
 #include "drivers/measurement/big_endian.hpp"
+#include "drivers/text/text_file.hpp"
 
 namespace infuse::importers {
 namespace {
@@ -57,6 +58,7 @@ std::optional<ImageSize> read_jpeg_size(std::istream& in) {
 }  // namespace
 
 std::optional<ImageSize> read_image_size(const std::filesystem::path& path) {
+  if (!text::open_regular_file(path)) return std::nullopt;
   std::ifstream in(path, std::ios::binary);
   if (const auto size = read_png_size(in)) return size;
   in.clear();

@@ -29,20 +29,23 @@ bool write_all(int file, std::span<const std::byte> bytes) {
 }  // namespace
 
 Result<void> write_file_atomically(const std::filesystem::path& path,
-                                   std::span<const std::byte> bytes, mode_t mode) {
+                                   std::span<const std::byte> bytes, std::optional<mode_t> mode) {
   struct stat present {};
-  if (::lstat(path.c_str(), &present) == 0 && !S_ISREG(present.st_mode)) {
+  const bool replaces = ::lstat(path.c_str(), &present) == 0;
+  if (replaces && !S_ISREG(present.st_mode)) {
     return fail("is not a regular file, it is not replaced", path.string(),
                 "name another file to write");
   }
+  const mode_t kept = replaces ? present.st_mode & 07777 : 0644;
   std::string temporary = path.string() + ".XXXXXX";
   const FileDescriptor file(::mkostemp(temporary.data(), O_CLOEXEC));
   if (!file) {
     return fail_errno("cannot be written", path.string(),
                       "does the folder exist, and is it writable?");
   }
-  const bool succeeded = ::fchmod(file.get(), mode) == 0 && write_all(file.get(), bytes) &&
-                         ::fsync(file.get()) == 0 && ::rename(temporary.c_str(), path.c_str()) == 0;
+  const bool succeeded = ::fchmod(file.get(), mode.value_or(kept)) == 0 &&
+                         write_all(file.get(), bytes) && ::fsync(file.get()) == 0 &&
+                         ::rename(temporary.c_str(), path.c_str()) == 0;
   if (!succeeded) {
     const int reason = errno;
     ::unlink(temporary.c_str());

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <span>
 
 #include "drivers/measurement/error.hpp"
@@ -12,8 +13,10 @@ namespace infuse::recording {
 
 /// Writes a temporary file beside `path`, flushes it to the disk and renames it to `path`: readers,
 /// a power cut or a full disk at any moment find the old or the new file, complete. Only a regular
-/// file is replaced: a device, a pipe, a socket or a symbolic link is refused.
+/// file is replaced: a device, a pipe, a socket or a symbolic link is refused. Without
+/// `mode`, a file that is replaced keeps its own.
 Result<void> write_file_atomically(const std::filesystem::path& path,
-                                   std::span<const std::byte> bytes, mode_t mode = 0644);
+                                   std::span<const std::byte> bytes,
+                                   std::optional<mode_t> mode = std::nullopt);
 
 }  // namespace infuse::recording

@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "drivers/recording/drive_toml.hpp"
+#include "drivers/recording/inside.hpp"
 #include "drivers/recording/toml_table.hpp"
+#include "drivers/text/quoted.hpp"
 #include "drivers/text/text_file.hpp"
 
 namespace infuse::recording {
@@ -166,12 +168,14 @@ Result<Drive> Drive::open(const fs::path& folder) {
     if (named.path.empty()) continue;
     std::error_code ignored;
     const fs::file_status status = fs::status(drive.resolve(named.path), ignored);
-    if (!fs::exists(status))
-      return fail(named.what + " '" + named.path + "' does not exist", file.string());
-    if (fs::is_directory(status) != named.folder) {
-      return fail(
-          named.what + " '" + named.path + "' must be a " + (named.folder ? "folder" : "file"),
-          file.string());
+    const std::string what = named.what + " " + text::quoted(named.path);
+    if (!fs::exists(status)) return fail(what + " does not exist", file.string());
+    if (named.folder ? !fs::is_directory(status) : !fs::is_regular_file(status)) {
+      return fail(what + " must be a " + (named.folder ? "folder" : "file"), file.string());
+    }
+    if (!lies_inside(folder, drive.resolve(named.path))) {
+      return fail(what + " is a link out of the drive's folder", file.string(),
+                  "copy the file into the folder");
     }
   }
   return drive;

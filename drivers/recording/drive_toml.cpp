@@ -6,9 +6,11 @@
 #include "drivers/measurement/ipv4_address.hpp"
 #include "drivers/recording/can_toml.hpp"
 #include "drivers/recording/drive_table.hpp"
+#include "drivers/recording/rig_checks.hpp"
 #include "drivers/recording/sweep_files.hpp"
 #include "drivers/recording/toml_names.hpp"
 #include "drivers/recording/toml_table.hpp"
+#include "drivers/text/printable.hpp"
 #include "drivers/text/text_file.hpp"
 
 namespace infuse::recording {
@@ -49,10 +51,15 @@ void read_sender(TomlTable& table, std::optional<uint32_t>& sender) {
   }
 }
 
+void read_name(TomlTable& table, std::string& name) {
+  table.read("name", name);
+  if (!text::is_name(name)) table.report_error("name", text::kNameRule);
+}
+
 void read_mount(TomlTable& table, LidarMount& mount) {
   table.require("name");
   table.require("T_vehicle_lidar");
-  table.read("name", mount.name);
+  read_name(table, mount.name);
   table.read("model", mount.model);
   table.read("T_vehicle_lidar", mount.T_vehicle_lidar);
 }
@@ -94,7 +101,7 @@ void read_intrinsics(TomlTable& table, CameraIntrinsics& intrinsics) {
 
 void read_mount(TomlTable& table, CameraMount& mount) {
   for (const char* key : {"name", "lidar", "T_camera_lidar"}) table.require(key);
-  table.read("name", mount.name);
+  read_name(table, mount.name);
   read_intrinsics(table, mount.intrinsics);
   table.read("lidar", mount.lidar);
   table.read("T_camera_lidar", mount.T_camera_lidar);
@@ -189,13 +196,20 @@ std::optional<Error> read_drive(const toml::table& source, const std::string& fi
   return root.finish();
 }
 
+template <bool of_vehicle>
 std::optional<Error> read_rig_tables(const toml::table& source, const std::string& file, Rig& rig) {
   TomlTable root(source, file, "the rig");
-  const auto check = [&] { return rig.invalid(); };
+  const auto check = [&](const auto& mounts) {
+    auto wrong = rig.invalid();
+    return wrong || !of_vehicle ? wrong : find_impossible(mounts.back());
+  };
   std::nullptr_t* no_files = nullptr;
-  if (auto wrong = read_sensors(root, file, "lidar", rig.lidars, no_files, check)) return wrong;
-  if (auto wrong = read_sensors(root, file, "camera", rig.cameras, no_files, check)) return wrong;
-  return root.finish();
+  auto wrong =
+      read_sensors(root, file, "lidar", rig.lidars, no_files, [&] { return check(rig.lidars); });
+  if (wrong) return wrong;
+  wrong =
+      read_sensors(root, file, "camera", rig.cameras, no_files, [&] { return check(rig.cameras); });
+  return wrong ? wrong : root.finish();
 }
 
 template <class Value, class Read>
@@ -223,13 +237,19 @@ Result<DriveDescription> parse_drive(std::string_view text, const std::string& f
 }
 
 Result<Rig> parse_rig(std::string_view text, const std::string& file) {
-  return parse<Rig>(text, file, read_rig_tables);
+  return parse<Rig>(text, file, read_rig_tables<false>);
 }
 
 Result<Rig> read_rig(const std::filesystem::path& path) {
   const auto text = text::read_text(path, kMaxTomlBytes);
   if (!text) return tl::unexpected(text.error());
   return parse_rig(*text, path.string());
+}
+
+Result<Rig> read_vehicle_rig(const std::filesystem::path& path) {
+  const auto text = text::read_text(path, kMaxTomlBytes);
+  if (!text) return tl::unexpected(text.error());
+  return parse<Rig>(*text, path.string(), read_rig_tables<true>);
 }
 
 Result<void> write_rig(const std::filesystem::path& path, const Rig& rig) {

@@ -25,6 +25,9 @@ std::string format_rig(const Rig& rig);
 
 /// Reads a rig.toml from disk.
 Result<Rig> read_rig(const std::filesystem::path& path);
+
+/// Reads the rig.toml of a vehicle; also refuses what no vehicle has (`find_impossible`).
+Result<Rig> read_vehicle_rig(const std::filesystem::path& path);
 /// Writes a rig.toml. Fails if the rig is invalid or the file cannot be written.
 Result<void> write_rig(const std::filesystem::path& path, const Rig& rig);
 

@@ -13,6 +13,7 @@
 #include "drivers/recording/record_scan.hpp"
 #include "drivers/recording/steady_stamps.hpp"
 #include "drivers/recording/udp_decoder.hpp"
+#include "drivers/text/text_file.hpp"
 
 namespace infuse::recording {
 namespace {
@@ -160,13 +161,9 @@ void PcapReader::State::count_outcome(FrameOutcome outcome) {
 
 Result<PcapReader> PcapReader::open(const std::filesystem::path& path, const PcapOptions& options) {
   if (const auto wrong = options.invalid()) return fail(*wrong, "PcapOptions");
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) return fail("is a folder", path.string());
-  FILE* file = std::fopen(path.c_str(), "rbe");
-  if (file == nullptr) {
-    return fail(std::string("cannot be opened: ") + std::strerror(errno), path.string());
-  }
-  return State::make(file, path.string(), options);
+  auto file = text::open_regular_file(path);
+  if (!file) return tl::unexpected(file.error());
+  return State::make(file->release(), path.string(), options);
 }
 
 Result<PcapReader> PcapReader::from_bytes(std::span<const uint8_t> bytes, const std::string& name,

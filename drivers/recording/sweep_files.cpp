@@ -38,7 +38,7 @@ Result<void> read_points(const std::filesystem::path& path, Sweep& sweep) {
 }  // namespace
 
 Result<void> SweepReader::load(const std::filesystem::path& path) {
-  const receive::FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  const receive::FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   struct stat status {};
   if (!file || ::fstat(file.get(), &status) != 0) {
     return receive::fail_errno("cannot be read", path.string());

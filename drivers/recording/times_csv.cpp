@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "drivers/measurement/median.hpp"
+#include "drivers/recording/inside.hpp"
 #include "drivers/recording/numbered_files.hpp"
 #include "drivers/text/csv_reader.hpp"
 #include "drivers/text/numbers.hpp"
@@ -50,6 +51,10 @@ Result<FileSequence> index_sequence(const fs::path& folder,
     if (number >= times->size()) {
       ++without_time;
       continue;
+    }
+    std::error_code ignored;
+    if (fs::is_symlink(path, ignored) && !lies_inside(folder, path)) {
+      return fail("is a link out of its folder", path.string(), "copy the file into the folder");
     }
     const auto [stamp, span] = interpret((*times)[number]);
     if (!sequence.entries.empty() && stamp < sequence.entries.back().stamp) ++backward;

@@ -1,20 +1,15 @@
 #include "drivers/text/line_reader.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
 #include <string>
 
 namespace infuse::text {
 
 Result<LineReader> LineReader::open(const std::filesystem::path& path) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) return fail("is a folder", path.string());
-  FILE* file = std::fopen(path.c_str(), "rbe");
-  if (file == nullptr) {
-    return fail(std::string("cannot be opened: ") + std::strerror(errno), path.string());
-  }
-  return LineReader(file);
+  auto file = open_regular_file(path);
+  if (!file) return tl::unexpected(file.error());
+  return LineReader(*std::move(file));
 }
 
 bool LineReader::refill() {

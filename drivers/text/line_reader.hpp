@@ -1,13 +1,13 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
-#include <memory>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "drivers/measurement/error.hpp"
+#include "drivers/text/text_file.hpp"
 
 namespace infuse::text {
 
@@ -16,7 +16,7 @@ class LineReader {
  public:
   static constexpr size_t kMaxLineBytes = 65536;  ///< longer lines are skipped
 
-  /// Opens a file; fails if it cannot be opened or is a folder.
+  /// Opens a regular file.
   static Result<LineReader> open(const std::filesystem::path& path);
 
   /// Reads the next line without its end (LF or CRLF), valid until the next call. Returns false at
@@ -30,13 +30,10 @@ class LineReader {
   uint64_t too_long_lines() const { return too_long_lines_; }
 
  private:
-  struct Close {
-    void operator()(FILE* file) const { std::fclose(file); }
-  };
-  explicit LineReader(FILE* file) : file_(file), buffer_(2 * kMaxLineBytes) {}
+  explicit LineReader(File file) : file_(std::move(file)), buffer_(2 * kMaxLineBytes) {}
   bool refill();
 
-  std::unique_ptr<FILE, Close> file_;
+  File file_;
   std::vector<char> buffer_;
   size_t begin_ = 0, end_ = 0;  // unread part of the buffer
   uint64_t line_number_ = 0;

@@ -1,25 +1,33 @@
 #include "drivers/text/text_file.hpp"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
-#include <memory>
 
 namespace infuse::text {
-namespace {
 
-struct Close {
-  void operator()(FILE* file) const { std::fclose(file); }
-};
-using File = std::unique_ptr<FILE, Close>;
-
-}  // namespace
+Result<File> open_regular_file(const std::filesystem::path& path) {
+  // O_NONBLOCK: opening a pipe must not wait for who writes to it.
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+  if (file < 0)
+    return fail(std::string("cannot be opened: ") + std::strerror(errno), path.string());
+  struct stat about {};
+  const bool known = ::fstat(file, &about) == 0;
+  if (known && S_ISREG(about.st_mode)) {
+    if (std::FILE* opened = ::fdopen(file, "rb")) return File(opened);
+  }
+  ::close(file);
+  return fail(known && S_ISDIR(about.st_mode) ? "is a folder" : "is not a regular file",
+              path.string());
+}
 
 Result<std::string> read_text(const std::filesystem::path& path, size_t max_bytes) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) return fail("is a folder", path.string());
-  const File file(std::fopen(path.c_str(), "rbe"));
-  if (!file) return fail(std::string("cannot be opened: ") + std::strerror(errno), path.string());
+  const auto opened = open_regular_file(path);
+  if (!opened) return tl::unexpected(opened.error());
+  const File& file = *opened;
   std::string text;
   for (;;) {
     constexpr size_t kChunkBytes = 1 << 16;

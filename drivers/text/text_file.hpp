@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -8,7 +10,15 @@
 
 namespace infuse::text {
 
-/// Reads a whole file of at most `max_bytes`. Larger files and folders are errors.
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using File = std::unique_ptr<std::FILE, CloseFile>;
+
+/// Opens a regular file to read. Folders, pipes and devices, which may never end, are errors.
+Result<File> open_regular_file(const std::filesystem::path& path);
+
+/// Reads a whole regular file of at most `max_bytes`. Larger files are errors.
 Result<std::string> read_text(const std::filesystem::path& path, size_t max_bytes);
 
 /// Creates or overwrites a file. Fails if not all of it could be written.

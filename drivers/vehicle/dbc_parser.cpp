@@ -1,9 +1,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
+#include "drivers/text/text_file.hpp"
 #include "drivers/vehicle/dbc.hpp"
 #include "drivers/vehicle/dbc_statement.hpp"
 
@@ -264,16 +263,10 @@ DbcParseResult parse_dbc(std::string_view text, const std::string& name) {
 }
 
 Result<DbcParseResult> read_dbc(const std::filesystem::path& file) {
-  constexpr uintmax_t kMaxBytes = uintmax_t{64} << 20;
-  std::error_code error;
-  const uintmax_t bytes = std::filesystem::file_size(file, error);
-  if (error) return fail(error.message(), file.string(), "name a DBC file");
-  if (bytes > kMaxBytes) return fail("larger than 64 MiB: not a DBC file", file.string());
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  if (!stream) return fail("cannot be read", file.string());
-  return parse_dbc(text.view(), file.filename().string());
+  constexpr size_t kMaxBytes = size_t{64} << 20;
+  const auto text = text::read_text(file, kMaxBytes);
+  if (!text) return fail(text.error().what, file.string(), "name a DBC file");
+  return parse_dbc(*text, file.filename().string());
 }
 
 }  // namespace infuse::vehicle

@@ -3,11 +3,11 @@
 #include <bitset>
 #include <boost/property_tree/ptree.hpp>
 #include <boost/property_tree/xml_parser.hpp>
-#include <fstream>
 #include <sstream>
 #include <string>
 
 #include "drivers/measurement/angles.hpp"
+#include "drivers/text/text_file.hpp"
 
 namespace infuse::velodyne {
 namespace {
@@ -138,12 +138,9 @@ Result<Calibration> parse_db_xml(std::string_view text) {
 }
 
 Result<Calibration> load_db_xml(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return fail("cannot be read", path.string());
-  std::string text(kMaxFileBytes + 1, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<size_t>(file.gcount()));
-  auto calibration = parse_db_xml(text);
+  const auto text = text::read_text(path, kMaxFileBytes);
+  if (!text) return tl::unexpected(text.error());
+  auto calibration = parse_db_xml(*text);
   if (calibration) return calibration;
   const Error& error = calibration.error();
   return fail(error.what, path.string() + (error.where.empty() ? "" : ", " + error.where),

@@ -227,12 +227,9 @@ std::filesystem::path with_sources(const std::filesystem::path& folder, bool whe
   if (wheels) description.imu.clear();
   if (!wheels) description.can.reset();
   const std::filesystem::path out = folder.string() + (wheels ? ".wheels" : ".gyro");
-  std::filesystem::create_directories(out);
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    const auto link = out / entry.path().filename();
-    std::filesystem::remove(link);
-    std::filesystem::create_symlink(std::filesystem::absolute(entry.path()), link);
-  }
+  std::filesystem::remove_all(out);
+  using Copy = std::filesystem::copy_options;
+  std::filesystem::copy(folder, out, Copy::recursive | Copy::create_hard_links);
   std::filesystem::remove(out / "drive.toml");
   if (!text::write_text(out / "drive.toml", recording::format_drive(description))) return {};
   return out;

@@ -6,12 +6,12 @@
 #include <iterator>
 
 #include "daemon/command_line/progress_line.hpp"
-#include "daemon/mapping/checksum.hpp"
 #include "daemon/mapping/cloud_file.hpp"
 #include "daemon/mapping/place_map.hpp"
 #include "daemon/playback/play_lidar.hpp"
 #include "daemon/protocol/json_encoder.hpp"
 #include "daemon/tools/map/lidar_replay.hpp"
+#include "drivers/text/checksum.hpp"
 #include "fusion/features/air_returns.hpp"
 #include "fusion/mapping/keyframe_submaps.hpp"
 #include "fusion/places/place_descriptor.hpp"
@@ -106,7 +106,7 @@ class DriveMapper {
     if (failed_) return;
     places_.push_back(places::describe_place(ended.submap.points(), T_vehicle_lidar_));
     const std::string bytes = format_cloud_pcd(ended.submap);
-    keyframes_.push_back({ended.keyframe, ended.submap.size(), checksum(bytes)});
+    keyframes_.push_back({ended.keyframe, ended.submap.size(), text::checksum(bytes)});
     const auto written = folder_.write(MapFolder::cloud_name(keyframes_.size() - 1), bytes);
     if (!written) failed_ = written.error();
   }

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <limits>
 
-#include "daemon/mapping/checksum.hpp"
 #include "daemon/mapping/cloud_file.hpp"
 #include "daemon/mapping/map_image.hpp"
 #include "drivers/recording/pcd_sweep.hpp"
+#include "drivers/text/checksum.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -123,9 +123,9 @@ TEST(CloudFile, RefusesWhatIsCutOrNotFinite) {
 
 // Values of the published test vectors of FNV-1a.
 TEST(Checksum, IsFnv1a) {
-  EXPECT_EQ(checksum(""), "cbf29ce484222325");
-  EXPECT_EQ(checksum("a"), "af63dc4c8601ec8c");
-  EXPECT_EQ(checksum("foobar"), "85944171f73967e8");
+  EXPECT_EQ(text::checksum(""), "cbf29ce484222325");
+  EXPECT_EQ(text::checksum("a"), "af63dc4c8601ec8c");
+  EXPECT_EQ(text::checksum("foobar"), "85944171f73967e8");
 }
 
 TEST(MapImage, ShowsTheMapFromAbove) {

@@ -38,6 +38,16 @@ TEST(AtomicFile, AFailedWriteLeavesWhatWasThereAndNoTemporaryFile) {
   EXPECT_FALSE(write_text(folder / "none" / "state.json", "new"));
 }
 
+TEST(AtomicFile, AFileThatIsReplacedKeepsItsMode) {
+  const ScratchFolder folder;
+  folder.write("map", "old");
+  std::filesystem::permissions(folder / "map", std::filesystem::perms(0600));
+  ASSERT_TRUE(write_file_atomically(folder / "map", {}));
+  EXPECT_EQ(std::filesystem::status(folder / "map").permissions(), std::filesystem::perms(0600));
+  ASSERT_TRUE(write_file_atomically(folder / "map", {}, 0640));
+  EXPECT_EQ(std::filesystem::status(folder / "map").permissions(), std::filesystem::perms(0640));
+}
+
 TEST(AtomicFile, ReplacesOnlyRegularFiles) {
   const ScratchFolder folder;
   folder.write("elsewhere", "old");

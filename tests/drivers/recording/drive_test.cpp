@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "tests/scratch_folder.hpp"
 
@@ -43,6 +44,31 @@ TEST(Drive, ErrorsNameMissingFiles) {
   std::filesystem::create_directory(folder / "lidar.pcap");
   EXPECT_THAT(Drive::open(folder.path()).error().message(),
               HasSubstr("lidar 'top': packets 'lidar.pcap' must be a file"));
+}
+
+TEST(Drive, LinksDoNotLeadOutOfTheFolder) {
+  const ScratchFolder folder;
+  folder.write("secret", "");
+  ASSERT_TRUE(write_drive_toml(folder / "drive", one_lidar()));
+  std::filesystem::create_symlink("../secret", folder / "drive/lidar.pcap");
+  EXPECT_THAT(Drive::open(folder / "drive").error().message(),
+              HasSubstr("packets 'lidar.pcap' is a link out of the drive's folder"));
+  std::filesystem::remove(folder / "drive/lidar.pcap");
+  folder.write("drive/parts/a.pcap", "");
+  std::filesystem::create_symlink("parts/a.pcap", folder / "drive/lidar.pcap");
+  EXPECT_TRUE(Drive::open(folder / "drive"));
+  std::filesystem::create_symlink("drive", folder / "link");  // of the user
+  EXPECT_TRUE(Drive::open(folder / "link"));
+}
+
+TEST(Drive, PipesAndDevicesAreNoFiles) {
+  const ScratchFolder folder;
+  ASSERT_TRUE(write_drive_toml(folder.path(), one_lidar()));
+  ASSERT_EQ(::mkfifo((folder / "lidar.pcap").c_str(), 0600), 0);
+  EXPECT_THAT(Drive::open(folder.path()).error().message(), HasSubstr("must be a file"));
+  std::filesystem::remove(folder / "drive.toml");
+  ASSERT_EQ(::mkfifo((folder / "drive.toml").c_str(), 0600), 0);
+  EXPECT_THAT(Drive::open(folder.path()).error().message(), HasSubstr("is not a regular file"));
 }
 
 TEST(Drive, WriteRejectsInvalidDescriptions) {

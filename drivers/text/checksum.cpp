@@ -1,8 +1,8 @@
-#include "daemon/mapping/checksum.hpp"
+#include "drivers/text/checksum.hpp"
 
 #include <cstdint>
 
-namespace infuse::daemon {
+namespace infuse::text {
 
 std::string checksum(std::string_view bytes) {
   uint64_t hash = 0xcbf29ce484222325;
@@ -15,4 +15,4 @@ std::string checksum(std::string_view bytes) {
   return text;
 }
 
-}  // namespace infuse::daemon
+}  // namespace infuse::text
