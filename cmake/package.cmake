@@ -3,7 +3,9 @@
 set(packaging ${PROJECT_SOURCE_DIR}/packaging)
 
 # The service: where systemd, udev and the kernel's settings are looked for.
-install(FILES systemd/infused.service systemd/infused.socket DESTINATION /lib/systemd/system)
+install(FILES systemd/infused.service systemd/infused.socket systemd/infuse-upload.path systemd/infuse-upload.service
+  DESTINATION /lib/systemd/system)
+install(PROGRAMS packaging/upload DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/infuse)
 install(FILES systemd/infuse.sysusers DESTINATION /usr/lib/sysusers.d RENAME infuse.conf)
 install(FILES systemd/infuse.tmpfiles DESTINATION /usr/lib/tmpfiles.d RENAME infuse.conf)
 install(FILES systemd/60-infuse.sysctl DESTINATION /usr/lib/sysctl.d RENAME 60-infuse.conf)
@@ -12,7 +14,7 @@ install(FILES packaging/examples/infused.toml DESTINATION /etc/infuse)
 install(DIRECTORY DESTINATION /etc/infuse/infused.toml.d)
 install(FILES drivers/lcm/infuse.lcm DESTINATION ${CMAKE_INSTALL_DATADIR}/infuse/lcm)
 install(FILES packaging/examples/shuttle.toml packaging/examples/survey_car.toml packaging/examples/truck.toml
-  packaging/examples/rig.toml systemd/tap.conf systemd/mqtt.conf systemd/lcm.conf
+  packaging/examples/rig.toml packaging/examples/upload systemd/tap.conf systemd/mqtt.conf systemd/lcm.conf
   DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/infused/examples)
 
 # Four packages: the daemon; the command `infuse`; its tools, whose libraries are many; the simulator. `./dev package`

@@ -39,7 +39,7 @@ int run(int argc, char** argv) {
       declare_evaluate(app), declare_calibration(app), declare_recalibrate(app),
       declare_apply(app),    declare_rollback(app),    declare_freeze(app),
       declare_record(app),   declare_odometry(app),    declare_history(app),
-      declare_report(app)};
+      declare_report(app),   declare_config(app),      declare_diagnose(app)};
   if (const auto code = start_tool(app, argc, argv)) return *code;
   if (argc < 2) {
     std::cout << app.help();

@@ -9,11 +9,14 @@
 #include "daemon/command_line/version.hpp"
 #include "daemon/config/config.hpp"
 #include "daemon/process/logging.hpp"
+#include "daemon/process/service_user.hpp"
+#include "daemon/protocol/json.hpp"
 #include "daemon/run/run_live.hpp"
 #include "daemon/run/run_replay.hpp"
 #include "daemon/service/config_check.hpp"
 #include "daemon/service/release_check.hpp"
 #include "drivers/measurement/block_sizes.hpp"
+#include "drivers/text/printable.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -23,6 +26,9 @@ struct Checks {
   bool config = false;
   bool self_test = false;
 };
+
+/// --check-config by root reads what the service can read.
+constexpr const char* kAsService = "checked as the service's user, infuse";
 
 void declare_options(CLI::App& app, RunOptions& options, Checks& checks) {
   app.description(
@@ -65,18 +71,27 @@ void declare_options(CLI::App& app, RunOptions& options, Checks& checks) {
   app.add_option("--calibration", options.calibration,
                  "replay: db.xml of an HDL-64E, angle file of a Hesai")
       ->type_name("FILE");
-  app.add_flag("--json", options.json, "replay: print the summary as one JSON object");
+  app.add_flag("--json", options.json, "replay, --check-config: print one JSON object");
   set_examples(app, {"infused --config /etc/infuse/infused.toml",
                      "infused --replay drive/ --rate 1 --json"});
 }
 
-int check(const RunOptions& options, const Config& config) {
+int check(const RunOptions& options) {
   if (options.config.empty()) {
     return print_error(kProgram, {"no configuration to check", "", "--config FILE"}, kUsage);
   }
-  if (const auto checked = check_config(config, std::cout); !checked) {
-    return print_error(kProgram, checked.error(), kUsage);
+  const auto service = become_user(kServiceUser);
+  if (!service) return print_error(kProgram, service.error(), kFailure);
+  const ConfigCheck checked = check_config(options.config);
+  if (options.json) {
+    std::cout << json_text(to_json(checked)) << "\n";
+    return checked.wrong ? kUsage : kDone;
   }
+  for (const Error& note : checked.notes) {
+    std::cout << "note: " << text::printable(note.message()) << "\n";
+  }
+  if (*service) std::cout << "note: " << kAsService << "\n";
+  if (checked.wrong) return print_error(kProgram, *checked.wrong, kUsage);
   std::cout << options.config << ": the configuration is valid\n";
   return kDone;
 }
@@ -101,6 +116,7 @@ int run(int argc, char** argv) {
   if (const auto code = parse_arguments(app, argc, argv)) return *code;
   set_up_logging(kProgram);
 
+  if (checks.config) return check(options);
   Config config;
   if (!options.config.empty()) {
     auto loaded = load_config(options.config);
@@ -108,7 +124,6 @@ int run(int argc, char** argv) {
     config = *std::move(loaded);
   }
   spdlog::set_level(spdlog::level::from_str(config.log_level));
-  if (checks.config) return check(options, config);
   if (checks.self_test) return test_itself(options, config);
   if (!options.replay.empty()) return run_replay(options, config);
   if (options.config.empty()) {

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "drivers/text/printable.hpp"
+
 namespace infuse::daemon {
 namespace {
 
@@ -62,7 +64,8 @@ void set_examples(CLI::App& app, std::initializer_list<const char*> examples) {
 }
 
 int print_error(const std::string& program, const Error& error, ExitCode code) {
-  std::fprintf(stderr, "%s: %s\n", program.c_str(), error.message().c_str());
+  const std::string message = text::printable(error.message(), "\n");
+  std::fprintf(stderr, "%s: %s\n", program.c_str(), message.c_str());
   return code;
 }
 

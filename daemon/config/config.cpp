@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <sstream>
 
 #include "daemon/config/read_sensors.hpp"
 #include "drivers/measurement/angles.hpp"
+#include "drivers/recording/toml_table.hpp"
+#include "drivers/text/checksum.hpp"
+#include "drivers/text/printable.hpp"
 #include "drivers/text/text_file.hpp"
 
 namespace infuse::daemon {
@@ -17,18 +21,30 @@ constexpr size_t kMaxConfigBytes = 1 << 20;
 constexpr size_t kMaxDropIns = 256;
 constexpr size_t kMaxExpectedSensors = 64;
 constexpr size_t kMaxOrigins = 16;
+constexpr std::array kTables = {"socket", "health",  "odometry", "streetmap", "map", "calibration",
+                                "record", "metrics", "mqtt",     "view",      "lcm", "gnss"};
 constexpr std::array kLogLevels = {"trace", "debug", "info", "warning", "error", "off"};
 
 void read_seconds(TomlTable& table, std::string_view key, Duration& value) {
+  constexpr double kMaxSeconds = 366 * 86'400;
   std::optional<double> seconds;
   table.read(key, seconds);
-  if (seconds) value = from_seconds(*seconds);
+  if (!seconds) return;
+  if (!(std::abs(*seconds) <= kMaxSeconds)) {
+    table.report_error(key, std::string(key) + " is longer than a year");
+  }
+  value = from_seconds(*seconds);
 }
 
 void read_milliseconds(TomlTable& table, std::string_view key, Duration& value) {
+  constexpr double kMaxMilliseconds = 10'000;  // as the delays of a rig
   std::optional<double> milliseconds;
   table.read(key, milliseconds);
-  if (milliseconds) value = from_seconds(*milliseconds / 1e3);
+  if (!milliseconds) return;
+  if (!(std::abs(*milliseconds) <= kMaxMilliseconds)) {
+    table.report_error(key, std::string(key) + " must lie within ±10000");
+  }
+  value = from_seconds(*milliseconds / 1e3);
 }
 
 void read_socket(TomlTable& table, ServerOptions& options) {
@@ -154,6 +170,7 @@ void read_metrics(TomlTable& table, MetricsSettings& settings) {
 
 void read_view(TomlTable& table, ViewSettings& settings) {
   read_integer(table, "port", settings.port);
+  table.read("path", settings.path);
   table.read("bind", settings.bind);
   table.read("token", settings.token);
   table.read("allowed_origins", kMaxOrigins, settings.allowed_origins);
@@ -204,7 +221,16 @@ std::optional<Error> read_all(TomlTable& root, const std::string& file, Config& 
   if (std::find(kLogLevels.begin(), kLogLevels.end(), config.log_level) == kLogLevels.end()) {
     root.report_error("log_level", "log_level is none of trace, debug, info, warning, error, off");
   }
+  root.read("version", config.version);
+  if (!config.version.empty() && !text::is_name(config.version)) {
+    root.report_error("version", "version must have at most 64 bytes and no control characters");
+  }
   root.read("rig", config.rig);
+  for (const char* name : kTables) {
+    const toml::node* table = root.node(name);
+    if (table == nullptr) continue;
+    config.where[name] = file + ":" + std::to_string(table->source().begin.line);
+  }
   const toml::table* socket = root.table("socket");
   const toml::table* health = root.table("health");
   const toml::table* odometry = root.table("odometry");
@@ -252,20 +278,27 @@ std::optional<Error> add_text(std::string_view text, const std::string& file, Co
   return read_all(root, file, config);
 }
 
-std::optional<Error> add_file(const std::filesystem::path& path, Config& config) {
+/// `all`: the bytes of all files.
+std::optional<Error> add_file(const std::filesystem::path& path, Config& config, std::string& all) {
   const auto text = text::read_text(path, kMaxConfigBytes);
   if (!text) return text.error();
+  all += path.filename().string() + '\0' + *text + '\0';
   return add_text(*text, path.string(), config);
 }
 
 /// Returns the files `path`.d/*.toml in order of their names; none without that folder.
-std::vector<std::filesystem::path> drop_ins(const std::filesystem::path& path) {
+Result<std::vector<std::filesystem::path>> drop_ins(const std::filesystem::path& path) {
+  const std::string folder = path.string() + ".d";
   std::vector<std::filesystem::path> files;
   std::error_code error;
-  for (std::filesystem::directory_iterator entry(path.string() + ".d", error), end;
-       !error && entry != end && files.size() < kMaxDropIns; entry.increment(error)) {
+  for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
     if (entry->path().extension() == ".toml") files.push_back(entry->path());
   }
+  if (error && error != std::errc::no_such_file_or_directory) {
+    return fail("cannot be listed: " + error.message(), folder, "the user infuse must read it");
+  }
+  if (files.size() > kMaxDropIns) return fail("has more than 256 files", folder);
   std::sort(files.begin(), files.end());
   return files;
 }
@@ -295,10 +328,17 @@ Result<Config> parse_config(std::string_view text, const std::string& file) {
 Result<Config> load_config(const std::filesystem::path& path) {
   Config config;
   config.folder = path.parent_path();
-  if (auto error = add_file(path, config)) return tl::unexpected(*std::move(error));
-  for (const std::filesystem::path& file : drop_ins(path)) {
-    if (auto error = add_file(file, config)) return tl::unexpected(*std::move(error));
+  std::string all;
+  if (auto error = add_file(path, config, all)) return tl::unexpected(*std::move(error));
+  const auto files = drop_ins(path);
+  if (!files) return tl::unexpected(files.error());
+  for (const std::filesystem::path& file : *files) {
+    if (auto error = add_file(file, config, all)) return tl::unexpected(*std::move(error));
   }
+  if (!config.rig.empty()) {
+    all += text::read_text(config.resolve(config.rig), recording::kMaxTomlBytes).value_or("");
+  }
+  config.digest = text::checksum(all);
   return config;
 }
 

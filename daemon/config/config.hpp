@@ -25,6 +25,7 @@ namespace infuse::daemon {
 /// The configuration.
 struct Config {
   std::string log_level = "info";      ///< trace, debug, info, warning, error, off
+  std::string version;                 ///< its owner's name of this configuration; empty: none
   std::string rig;                     ///< path of rig.toml, the sensors' mounts; empty: none
   ServerOptions socket;                ///< [socket]
   HealthOptions health;                ///< [health]
@@ -42,11 +43,24 @@ struct Config {
   std::vector<BusOptions> buses;       ///< [[can]], live
   GnssOptions gnss;                    ///< [gnss], live
 
+  /// File and line of each table that is given, by its name: "metrics".
+  std::map<std::string, std::string> where;
+
+  /// Tells it from others: of the bytes of its files and of the rig, 16 hexadecimal digits. Empty
+  /// if it was not loaded from a file.
+  std::string digest;
+
   /// Source text by key of the root table, for comparing configurations.
   std::map<std::string, std::string> source_text;
 
   /// Folder of the file; relative paths in it start there.
   std::filesystem::path folder;
+
+  /// Returns where a table is given, for messages.
+  std::string where_is(const std::string& table) const {
+    const auto found = where.find(table);
+    return found == where.end() ? "[" + table + "]" : found->second;
+  }
 
   /// Returns a path of the configuration, relative to its folder; an address (http://) as it is.
   std::filesystem::path resolve(const std::string& path) const {

@@ -26,6 +26,9 @@ struct MqttSettings {
   Duration health_interval{10'000'000'000};  ///< between published HEALTH reports
   uint64_t queue = uint64_t{64} << 20;       ///< bytes of reports kept while there is no broker
 
+  std::string config_digest;  ///< stated by the status; set by the daemon
+  std::string config_version;
+
   bool enabled() const { return !host.empty(); }
   bool tls() const { return !ca_file.empty(); }
   uint16_t port_or_default() const { return port != 0 ? port : tls() ? 8883 : 1883; }

@@ -2,13 +2,14 @@
 
 #include "drivers/makers/makers.hpp"
 #include "drivers/measurement/ipv4_address.hpp"
+#include "drivers/text/printable.hpp"
 #include "drivers/vehicle/serial_line_source.hpp"
 #include "drivers/vehicle/socket_can_source.hpp"
 
 namespace infuse::daemon {
 
 std::optional<std::string> LidarOptions::invalid() const {
-  if (name.empty()) return "name is empty";
+  if (!text::is_name(name)) return text::kNameRule;
   if (port == 0) return "port must lie in 1 ... 65535";
   if (position_port == 0) return "position_port must lie in 1 ... 65535";
   if (!model.empty() && makers::find_model(model) == nullptr)
@@ -21,12 +22,12 @@ std::optional<std::string> LidarOptions::invalid() const {
 }
 
 std::optional<std::string> CameraOptions::invalid() const {
-  if (name.empty()) return "name is empty";
+  if (!text::is_name(name)) return text::kNameRule;
   return stream.invalid();
 }
 
 std::optional<std::string> BusOptions::invalid() const {
-  if (name.empty()) return "name is empty";
+  if (!text::is_name(name)) return text::kNameRule;
   if (!signals.empty() && dbc.empty()) return "signals need a dbc";
   return vehicle::SocketCanOptions{.interface = interface, .identifiers = {}}.invalid();
 }

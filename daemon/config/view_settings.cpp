@@ -20,6 +20,7 @@ bool is_token(const std::string& text) {
 }  // namespace
 
 std::optional<std::string> ViewSettings::invalid() const {
+  if (!path.empty() && path.front() != '/') return "path must begin with /";
   boost::system::error_code failed;
   const auto address = boost::asio::ip::make_address(bind, failed);
   if (failed) return "bind must be an address of this host";

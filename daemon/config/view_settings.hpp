@@ -15,7 +15,9 @@ struct ViewSettings {
   std::vector<std::string> allowed_origins;  ///< pages of others, "http://host:port"
   size_t max_clients = 4;                    ///< number of pages that are open
 
-  bool enabled() const { return port != 0; }
+  std::string path;  ///< Unix stream socket; empty: none
+
+  bool enabled() const { return port != 0 || !path.empty(); }
 
   /// Returns what is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;

@@ -11,6 +11,10 @@ namespace {
 
 using LidarProblem = std::optional<Problem>;
 
+/// Spinning lidars turn 20 times a second at most (references.md, the makers' manuals); half as
+/// much again for parts of turns.
+constexpr double kMaxSweepsHz = 30;
+
 std::string plural(uint64_t count, const char* noun) {
   return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
@@ -85,6 +89,15 @@ constexpr Alert<LidarTick> kLidarAlerts[] = {
        return Problem{fmt::format("packets on {} but no complete sweep for {:.1f} s", tick.endpoint,
                                   to_seconds(tick.without_sweep)),
                       "check that the sensor rotates"};
+     }},
+    {{"too_fast", Level::kError, Delays::kBoth,
+      "More sweeps than a lidar can turn: packets are damaged, forged, or of several sensors. Set "
+      "sender, and find out what else sends to the port."},
+     [](const LidarTick& tick) -> LidarProblem {
+       if (tick.sweeps_hz <= kMaxSweepsHz) return {};
+       return Problem{fmt::format("{:.0f} sweeps/s on {}: no lidar turns so fast", tick.sweeps_hz,
+                                  tick.endpoint),
+                      "set the lidar's sender; find out what else sends to this port"};
      }},
     {{"heavy_loss", Level::kError, Delays::kBoth,
       "More than error_loss of the packets is lost. In the network: check cable, switch and other "

@@ -18,6 +18,7 @@ struct LidarTick {
   const LidarCounters& before;          ///< at the start of the window, at most 10 s ago
   Duration silence;                     ///< since the last packet
   Duration without_sweep;               ///< since the last sweep
+  double sweeps_hz;                     ///< over the window
   std::optional<Duration> since_first;  ///< since the first packet; nothing before it
 };
 

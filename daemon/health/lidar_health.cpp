@@ -23,7 +23,7 @@ const LidarStatus& LidarHealth::update(Stamp now, const LidarCounters& counters)
   std::optional<Duration> since_first;
   if (first_seen_) since_first = now - *first_seen_;
   checks_.update(now, {endpoint_, options_, counters, oldest.counters, now - last_packet_,
-                       now - last_sweep_, since_first});
+                       now - last_sweep_, status_.sweeps_hz, since_first});
   status_.findings = checks_.findings();
   status_.transitions = checks_.transitions();
   status_.level = checks_.level();

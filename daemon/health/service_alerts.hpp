@@ -21,10 +21,6 @@ inline constexpr AlertDescription kSavedCalibrationsAlert{
     "Check `infuse calibration`.",
     false};
 
-inline constexpr AlertDescription kStateAlert{
-    "state", Level::kWarn, Delays::kNone,
-    "The state file cannot be written. Free space on its disk.", false};
-
 inline constexpr AlertDescription kRecordAlert{
     "record", Level::kWarn, Delays::kNone,
     "A recording ended prematurely, or an alert is not recorded; cleared when a recording begins. "
@@ -32,7 +28,6 @@ inline constexpr AlertDescription kRecordAlert{
     false};
 
 /// All of them.
-inline constexpr std::array kServiceAlerts{kRestartedAlert, kSavedCalibrationsAlert, kStateAlert,
-                                           kRecordAlert};
+inline constexpr std::array kServiceAlerts{kRestartedAlert, kSavedCalibrationsAlert, kRecordAlert};
 
 }  // namespace infuse::daemon

@@ -39,6 +39,14 @@ constexpr Alert<StreamTick> kStreamAlerts[] = {
                                   tick.endpoint),
                       "check the data of the sensor or the recording"};
      }},
+    {{"too_fast", Level::kError, Delays::kBoth,
+      "More data than such a sensor sends. Find out what sends to the device."},
+     [](const StreamTick& tick) -> StreamProblem {
+       if (tick.received_hz <= tick.max_hz) return {};
+       return Problem{fmt::format("{:.0f}/s from {}: no such sensor sends more than {:.0f}/s",
+                                  tick.received_hz, tick.endpoint, tick.max_hz),
+                      "find out what sends to this device"};
+     }},
     {{"unused", Level::kError, Delays::kBoth,
       "Data arrives, but none of it is usable. Bus: check DBC file, interface and signal names."},
      [](const StreamTick& tick) -> StreamProblem {

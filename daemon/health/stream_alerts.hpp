@@ -16,6 +16,8 @@ struct StreamTick {
   const StreamCounters& now;
   const StreamCounters& before;  ///< at the start of the window, at most 10 s ago
   Duration silence;              ///< since the last data
+  double received_hz;            ///< over the window
+  double max_hz;                 ///< that such a sensor can send
 
   /// Number received within the window.
   uint64_t received() const { return now.received - before.received; }

@@ -2,9 +2,11 @@
 
 namespace infuse::daemon {
 
-StreamHealth::StreamHealth(std::string endpoint, const HealthOptions& options, Stamp start)
+StreamHealth::StreamHealth(std::string endpoint, const HealthOptions& options, Stamp start,
+                           double max_hz)
     : endpoint_(std::move(endpoint)),
       options_(options),
+      max_hz_(max_hz),
       last_received_(start),
       previous_tick_(start),
       window_(start),
@@ -23,7 +25,8 @@ const StreamStatus& StreamHealth::update(Stamp now, const StreamCounters& counte
   status_.counters = counters;
   if (counters.received != received_) last_received_ = counters.last;
   received_ = counters.received;
-  checks_.update(now, {endpoint_, options_, counters, oldest.counters, now - last_received_});
+  checks_.update(now, {endpoint_, options_, counters, oldest.counters, now - last_received_,
+                       status_.received_hz, max_hz_});
   status_.findings = checks_.findings();
   status_.transitions = checks_.transitions();
   status_.level = checks_.level();

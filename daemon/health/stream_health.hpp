@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -23,8 +24,10 @@ struct StreamStatus {
 /// Checks one such stream by its counters. A pure state machine over snapshots and drive time.
 class StreamHealth {
  public:
-  /// `endpoint`: where its data comes from, for messages. `start`: when reception began.
-  StreamHealth(std::string endpoint, const HealthOptions& options, Stamp start);
+  /// `endpoint`: where its data comes from, for messages. `start`: when reception began. `max_hz`:
+  /// the most that such a sensor sends.
+  StreamHealth(std::string endpoint, const HealthOptions& options, Stamp start,
+               double max_hz = std::numeric_limits<double>::infinity());
 
   /// As LidarHealth::update.
   const StreamStatus& update(Stamp now, const StreamCounters& counters);
@@ -37,6 +40,7 @@ class StreamHealth {
 
   std::string endpoint_;
   HealthOptions options_;
+  double max_hz_;
   Stamp last_received_;  // the start, while there is none
   Stamp previous_tick_;
   uint64_t received_ = 0;

@@ -1,7 +1,5 @@
 #include "daemon/history/history_writer.hpp"
 
-#include <spdlog/spdlog.h>
-
 namespace infuse::daemon {
 
 void HistoryWriter::add(const AlertReport& alert) {
@@ -22,16 +20,17 @@ void HistoryWriter::add(const CalibrationReport& report) {
   }
   Json T = Json::array();
   for (int i = 0; i < 16; ++i) T.push_back(report.T_camera_lidar.matrix()(i / 4, i % 4));
-  const bool kept = write({{"form", kHistoryForm},
-                           {"class", "CALIBRATION"},
-                           {"stamp", report.stamp.ns()},
-                           {"device", report.camera},
-                           {"state", monitoring::name_of(report.state)},
-                           {"T_camera_lidar", T}});
-  if (kept) calibrations_[report.camera] = report.T_camera_lidar;  // else with the next report
+  write({{"form", kHistoryForm},
+         {"class", "CALIBRATION"},
+         {"stamp", report.stamp.ns()},
+         {"device", report.camera},
+         {"state", monitoring::name_of(report.state)},
+         {"T_camera_lidar", T}});
+  calibrations_[report.camera] = report.T_camera_lidar;
 }
 
 void HistoryWriter::add(const HealthReport& health) {
+  write_waiting();
   const bool over = sums_ && (health.stamp - sums_->from >= kPeriod || health.stamp < sums_->from);
   if (over) write_summary();
   if (!sums_) sums_.emplace().from = health.stamp;
@@ -67,12 +66,19 @@ void HistoryWriter::write_summary() {
   alerts_.clear();
 }
 
-bool HistoryWriter::write(const Json& entry) {
-  if (!enabled_) return true;
-  const auto written = file_.append(json_text(entry));
-  if (!written && !failing_) spdlog::warn("{}", written.error().message());
-  failing_ = !written;
-  return !failing_;
+void HistoryWriter::write(const Json& entry) {
+  if (!enabled_) return;
+  if (waiting_.size() == kMaxWaiting) waiting_.pop_front();
+  waiting_.push_back(json_text(entry));
+  write_waiting();
+}
+
+void HistoryWriter::write_waiting() {
+  for (; !waiting_.empty(); waiting_.pop_front()) {
+    const auto written = file_.append(waiting_.front());
+    problem_ = written ? "" : written.error().message();
+    if (!written) return;
+  }
 }
 
 }  // namespace infuse::daemon

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <deque>
 #include <map>
 #include <optional>
 #include <string>
@@ -12,7 +13,8 @@ namespace infuse::daemon {
 
 /// Writes what is worth knowing after months: each calibration that is in use, raised alerts, and a
 /// summary of health every hour. An alert that comes again within the hour is only counted, so that
-/// a flapping sensor does not fill the file. Runs on the thread of the `io_context`.
+/// a flapping sensor does not fill the file. While its disk fails the lines wait in memory. Runs on
+/// the thread of the `io_context`.
 class HistoryWriter {
  public:
   /// Drive time of one summary.
@@ -30,6 +32,9 @@ class HistoryWriter {
   /// Writes the summary of the current hour; called at the end of the run.
   void finish();
 
+  /// Why the history could not be written last; empty if it could.
+  const std::string& problem() const { return problem_; }
+
  private:
   struct Sums {
     Stamp from, to;
@@ -39,12 +44,16 @@ class HistoryWriter {
     uint64_t sweeps = 0, lost = 0;
   };
 
-  bool write(const Json& entry);
+  static constexpr size_t kMaxWaiting = 1000;  // number of lines
+
+  void write(const Json& entry);
+  void write_waiting();
   void write_summary();
 
   HistoryFile file_;
   bool enabled_;
-  bool failing_ = false;
+  std::deque<std::string> waiting_;  // lines that could not be written yet
+  std::string problem_;
   std::map<std::string, Eigen::Isometry3d> calibrations_;  // written last, by camera
   std::optional<Sums> sums_;
   std::map<std::string, uint64_t> alerts_;       // of this hour, by id

@@ -1,13 +1,16 @@
 #include "daemon/history/run_tracker.hpp"
 
+#include <fcntl.h>
 #include <spdlog/fmt/chrono.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <cstdlib>
 
 #include "daemon/health/service_alerts.hpp"
 #include "daemon/process/abort_marker.hpp"
 #include "daemon/process/crash_note.hpp"
+#include "drivers/host/file_descriptor.hpp"
 #include "drivers/recording/atomic_file.hpp"
 
 namespace infuse::daemon {
@@ -52,7 +55,7 @@ std::optional<AlertReport> RunTracker::begin_run(Stamp now) {
   ++state_.starts;
   if (unclean) ++state_.unclean_exits;
   state_.running = true;
-  if (const auto written = write(now); !written) spdlog::error("{}", written.error().message());
+  write(now);
   const std::filesystem::path marker = file_.parent_path() / kAbortMarkerFile;
   const bool aborted = consume_abort_marker(marker);
   install_abort_handler(marker);
@@ -62,7 +65,9 @@ std::optional<AlertReport> RunTracker::begin_run(Stamp now) {
   if (!unclean) return std::nullopt;
   std::string what = aborted ? "the watchdog ended the previous run, which was stuck"
                      : crash ? "the previous run crashed"
-                             : "the previous run did not end by itself";
+                     : problem_.empty()
+                         ? "the previous run did not end by itself"
+                         : "the previous run did not end by itself, or its end could not be saved";
   if (crash) what += " (" + *crash + ")";
   const Problem problem{fmt::format("{}; {}; unclean exits so far: {}", what,
                                     last_seen_text(last_seen, now), state_.unclean_exits),
@@ -70,30 +75,32 @@ std::optional<AlertReport> RunTracker::begin_run(Stamp now) {
   return AlertReport{now, kDaemonDevice, true, make_finding(kRestartedAlert, now, problem)};
 }
 
-std::optional<AlertReport> RunTracker::save_if_due(Stamp now) {
-  if (file_.empty() || now - last_saved_ < kSavePeriod) return std::nullopt;
-  const auto written = write(now);
-  if (written.has_value() != failing_since_.has_value()) return std::nullopt;
-  const Stamp since = failing_since_.value_or(now);
-  failing_since_ = written ? std::nullopt : std::optional(now);
-  const std::string what =
-      written ? "the state file can be written again" : written.error().message();
-  const Problem problem{what, "free space on the disk of the state directory"};
-  return AlertReport{now, kDaemonDevice, !written, make_finding(kStateAlert, since, problem)};
+void RunTracker::save_if_due(Stamp now) {
+  if (!file_.empty() && now - last_saved_ >= kSavePeriod) write(now);
 }
 
+// On a full disk there is no room for a second file: the text has a fixed length, and replaces the
+// one that is there.
 void RunTracker::end_run(Stamp now) {
   if (file_.empty()) return;
   state_.running = false;
-  if (const auto written = write(now); !written) spdlog::error("{}", written.error().message());
+  write(now);
+  if (problem_.empty()) return;
+  const std::string text = format_state(state_);
+  const receive::FileDescriptor file(::open(file_.c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW));
+  if (!file || ::pwrite(file.get(), text.data(), text.size(), 0) < 0 || ::fsync(file.get()) != 0) {
+    spdlog::error("the next start will not know that this run ended by itself: {}", problem_);
+  }
 }
 
-Result<void> RunTracker::write(Stamp now) {
+void RunTracker::write(Stamp now) {
   if (last_saved_ != Stamp() && now > last_saved_) state_.total_run_time += now - last_saved_;
   last_saved_ = now;
   state_.saved_at = now;
   const std::string text = format_state(state_);
-  return recording::write_file_atomically(file_, std::as_bytes(std::span(text)), 0640);
+  const auto written =
+      recording::write_file_atomically(file_, std::as_bytes(std::span(text)), 0640);
+  problem_ = written ? "" : written.error().message();
 }
 
 }  // namespace infuse::daemon

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "daemon/history/saved_state.hpp"
 #include "daemon/protocol/reports.hpp"
@@ -22,24 +23,29 @@ class RunTracker {
   /// a note.
   std::optional<AlertReport> begin_run(Stamp now);
 
-  /// Writes the state, at most every 10 s. Returns an alert when writing starts to fail (raised)
-  /// and when it works again (cleared).
-  std::optional<AlertReport> save_if_due(Stamp now);
+  /// Writes the state, at most every 10 s.
+  void save_if_due(Stamp now);
 
-  /// Records that the run ended by itself.
+  /// Records that the run ended by itself; on a full disk too.
   void end_run(Stamp now);
+
+  /// Why the state could not be written last; empty if it could.
+  const std::string& problem() const { return problem_; }
+
+  /// Folder of the state; empty if nothing is saved.
+  std::filesystem::path folder() const { return file_.parent_path(); }
 
   const SavedState& state() const { return state_; }
 
  private:
   static constexpr Duration kSavePeriod{10'000'000'000};
 
-  Result<void> write(Stamp now);
+  void write(Stamp now);
 
   std::filesystem::path file_;  // empty: nothing is saved
   SavedState state_;
   Stamp last_saved_;
-  std::optional<Stamp> failing_since_;
+  std::string problem_;
 };
 
 }  // namespace infuse::daemon

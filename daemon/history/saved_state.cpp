@@ -8,6 +8,7 @@ namespace infuse::daemon {
 namespace {
 
 constexpr size_t kMaxBytes = 64 << 10;
+constexpr size_t kFormattedBytes = 512;  // of a state file: more than its numbers can take
 
 /// Reads a non-negative integer; false if it is missing or out of range.
 bool read(const nlohmann::json& json, const char* key, uint64_t& value) {
@@ -24,7 +25,9 @@ std::string format_state(const SavedState& state) {
       {"form", kSavedStateForm},         {"starts", state.starts},
       {"unclean", state.unclean_exits},  {"running", state.running},
       {"saved_ns", state.saved_at.ns()}, {"running_for_ns", state.total_run_time.count()}};
-  return json.dump(2) + "\n";
+  std::string text = json.dump(2);
+  text.insert(text.size() - 1, kFormattedBytes - 1 - text.size(), ' ');  // before the last brace
+  return text + "\n";
 }
 
 Result<SavedState> parse_state(std::string_view text) {

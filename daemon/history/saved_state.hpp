@@ -22,8 +22,8 @@ struct SavedState {
   Duration total_run_time{0};  ///< of all runs together
 };
 
-/// Formats and parses the state file (JSON). Errors: not a state file, or of another format
-/// version.
+/// Formats and parses the state file: JSON, filled up with spaces to a fixed length. Errors: not a
+/// state file, or of another format version.
 std::string format_state(const SavedState& state);
 Result<SavedState> parse_state(std::string_view text);
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "daemon/config/config.hpp"
 #include "daemon/metrics/metrics_server.hpp"
 #include "daemon/metrics/metrics_text.hpp"
 
@@ -9,8 +10,10 @@ namespace infuse::daemon {
 class MetricsFeed {
  public:
   /// `server` outlives this. `release`: the program's version.
-  MetricsFeed(MetricsServer& server, std::string release) : server_(server) {
+  MetricsFeed(MetricsServer& server, std::string release, const Config& config) : server_(server) {
     process_.release = std::move(release);
+    process_.config_digest = config.digest;
+    process_.config_version = config.version;
   }
 
   void add(const AlertReport& alert) { process_.alerts += alert.raised ? 1 : 0; }

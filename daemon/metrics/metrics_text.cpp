@@ -151,6 +151,10 @@ void add_host(const HostStats& host, Families& families) {
   for (const QueueStats& queue : host.queues) {
     add_metrics(queue, label("queue", queue.name), families);
   }
+  if (host.clock) add_metrics(*host.clock, "", families);
+  for (const StoreStatus& store : host.stores) {
+    add_metrics(store, label("store", store.name), families);
+  }
 }
 
 }  // namespace
@@ -171,6 +175,9 @@ std::string metrics_text(const HealthReport& health, const ProcessStats& process
   Families families;
   families.add("infuse_build_info", "gauge", "Release of the program.",
                label("release", process.release), 1);
+  families.add(
+      "infuse_config_info", "gauge", "Configuration at the start.",
+      label("digest", process.config_digest) + "," + label("version", process.config_version), 1);
   add_metrics(health, "", families);
   families.add("infuse_alerts_total", "counter", "Alerts raised since the start.", "",
                static_cast<double>(process.alerts));

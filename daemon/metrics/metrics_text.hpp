@@ -10,6 +10,8 @@ namespace infuse::daemon {
 /// Figures besides HEALTH.
 struct ProcessStats {
   std::string release;          ///< of the program
+  std::string config_digest;    ///< of the configuration at the start
+  std::string config_version;   ///< its owner's name of it
   uint64_t alerts = 0;          ///< raised since the start
   uint64_t resident_bytes = 0;  ///< memory; 0: not known
   uint64_t descriptors = 0;     ///< open; 0: not known

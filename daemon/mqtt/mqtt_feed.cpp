@@ -11,6 +11,8 @@ Result<std::unique_ptr<MqttFeed>> MqttFeed::start(const Config& config,
                             &settings.password_file}) {
     if (!file->empty()) *file = config.resolve(*file);
   }
+  settings.config_digest = config.digest;
+  settings.config_version = config.version;
   auto publisher = MqttPublisher::start(
       settings, state_folder.empty() ? state_folder : state_folder / "mqtt.db", release);
   if (!publisher) return tl::unexpected(publisher.error());

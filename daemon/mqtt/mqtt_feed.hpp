@@ -24,6 +24,9 @@ class MqttFeed {
   /// As `MqttPublisher::stats`.
   QueueStats stats() const { return publisher_->stats(); }
 
+  /// As `MqttPublisher::disk_problem`.
+  std::string disk_problem() const { return publisher_->disk_problem(); }
+
   /// As `MqttPublisher::finish`.
   void finish(std::chrono::milliseconds timeout) { publisher_->finish(timeout); }
 

@@ -2,7 +2,6 @@
 
 #include <pthread.h>
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -32,6 +31,7 @@ constexpr size_t kMaxInFlight = 20;   // number of reports that are not acknowle
 constexpr milliseconds kLoop{100};    // longest wait of one step
 constexpr milliseconds kConnectTime{30'000};
 constexpr milliseconds kFirstRetry{1'000}, kLastRetry{60'000};
+constexpr milliseconds kDiskRetry{2'000};  // while the queue's file cannot be used
 
 /// Delay before the next attempt; vehicles that lost the same broker do not return at once.
 milliseconds retry_delay(int attempt, const std::string& vehicle) {
@@ -49,27 +49,19 @@ Result<std::string> read_password(const MqttSettings& settings) {
   return text->substr(0, text->find_first_of("\r\n"));
 }
 
-Result<void> check_files(const MqttSettings& settings) {
-  for (const std::string* file :
-       {&settings.ca_file, &settings.certificate_file, &settings.key_file}) {
-    if (!file->empty() && ::access(file->c_str(), R_OK) != 0) {
-      return fail("cannot be read", *file, "see [mqtt]");
-    }
-  }
-  return {};
-}
-
 }  // namespace
 
 /// What the two threads share, and the thread's own state. The thread owns it too, so that a name
 /// server that does not answer cannot hold up the end.
 class MqttPublisher::Worker {
  public:
-  Worker(const MqttSettings& settings, std::string password, std::string release, ReportQueue queue)
+  Worker(const MqttSettings& settings, std::string password, std::string release,
+         const std::filesystem::path& queue_file)
       : settings_(settings),
         password_(std::move(password)),
         release_(std::move(release)),
-        queue_(std::move(queue)) {
+        queue_(queue_file, settings.queue) {
+    if (!queue_.damage().empty()) log_->warn("mqtt: {}", queue_.damage());
     update_stats();
   }
 
@@ -86,6 +78,11 @@ class MqttPublisher::Worker {
   QueueStats stats() const {
     return {"mqtt_kib", static_cast<uint32_t>(bytes_ / 1024),
             static_cast<uint32_t>(queue_.max_bytes() / 1024), dropped_ + overflowed_};
+  }
+
+  std::string disk_problem() {
+    const std::lock_guard lock(mutex_);
+    return disk_problem_;
   }
 
   /// Returns after the thread has ended, or after `timeout`.
@@ -135,7 +132,10 @@ class MqttPublisher::Worker {
  private:
   /// What the status topic says.
   std::string status(bool online, uint64_t dropped) const {
-    return json_text({{"online", online}, {"release", release_}, {"dropped", dropped}});
+    Json status = {{"online", online}, {"release", release_}, {"dropped", dropped}};
+    if (!settings_.config_digest.empty()) status["config_digest"] = settings_.config_digest;
+    if (!settings_.config_version.empty()) status["config_version"] = settings_.config_version;
+    return json_text(status);
   }
 
   std::optional<Clock::time_point> deadline() {
@@ -163,11 +163,21 @@ class MqttPublisher::Worker {
       reports.swap(mailbox_);
     }
     for (const QueuedReport& report : reports) {
-      const auto added = queue_.add(report);
-      if (!added && !full_) log_->warn("mqtt: {}", added.error().message());
-      full_ = !added;
+      if (const auto added = queue_.add(report); !added) {
+        log_->warn("mqtt: {}", added.error().message());
+      }
     }
+    retry_disk();
     update_stats();
+  }
+
+  /// Reports that were in memory have other numbers then: those in flight are published again.
+  void retry_disk() {
+    if (queue_.disk_problem().empty() || Clock::now() < next_disk_attempt_) return;
+    next_disk_attempt_ = Clock::now() + kDiskRetry;
+    if (!queue_.try_file()) return;
+    in_flight_.clear();
+    last_sent_ = 0;
   }
 
   void begin_connection(std::unique_lock<std::mutex>& storing) {
@@ -233,6 +243,8 @@ class MqttPublisher::Worker {
   void update_stats() {
     bytes_ = queue_.bytes();
     dropped_ = queue_.dropped();
+    const std::lock_guard lock(mutex_);
+    disk_problem_ = queue_.disk_problem();
   }
 
   const MqttSettings settings_;
@@ -244,6 +256,7 @@ class MqttPublisher::Worker {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<QueuedReport> mailbox_;
+  std::string disk_problem_;
   std::optional<Clock::time_point> deadline_;  // of the end
   bool ended_ = false;
   std::atomic<uint64_t> bytes_ = 0, dropped_ = 0, overflowed_ = 0;
@@ -254,23 +267,18 @@ class MqttPublisher::Worker {
   std::map<int, int64_t> in_flight_;  // identifier in the queue, by the client's number
   int64_t last_sent_ = 0;
   int attempts_ = 0;
-  Clock::time_point attempted_, next_attempt_;
+  Clock::time_point attempted_, next_attempt_, next_disk_attempt_;
   bool announced_ = false;
-  bool full_ = false;
   std::string failure_;  // logged last
 };
 
 Result<std::unique_ptr<MqttPublisher>> MqttPublisher::start(const MqttSettings& settings,
                                                             const std::filesystem::path& queue_file,
                                                             std::string release) {
-  if (auto readable = check_files(settings); !readable) return tl::unexpected(readable.error());
   auto password = read_password(settings);
   if (!password) return tl::unexpected(password.error());
-  auto queue = ReportQueue::open(queue_file, settings.queue);
-  if (!queue) return tl::unexpected(queue.error());
-  if (!queue->damage().empty()) spdlog::warn("mqtt: {}", queue->damage());
-  auto worker = std::make_shared<Worker>(settings, *std::move(password), std::move(release),
-                                         *std::move(queue));
+  auto worker =
+      std::make_shared<Worker>(settings, *std::move(password), std::move(release), queue_file);
   std::thread([worker] { worker->run(); }).detach();
   return std::unique_ptr<MqttPublisher>(new MqttPublisher(worker));
 }
@@ -280,6 +288,8 @@ MqttPublisher::~MqttPublisher() { finish(milliseconds{0}); }
 void MqttPublisher::add(QueuedReport report) { worker_->add(std::move(report)); }
 
 QueueStats MqttPublisher::stats() const { return worker_->stats(); }
+
+std::string MqttPublisher::disk_problem() const { return worker_->disk_problem(); }
 
 void MqttPublisher::finish(milliseconds timeout) {
   if (!std::exchange(finished_, true)) worker_->stop(timeout);

@@ -16,8 +16,8 @@ namespace infuse::daemon {
 class MqttPublisher {
  public:
   /// Starts the thread. `queue_file`: empty keeps the queue in memory. The files of `settings` are
-  /// absolute paths. `release`: the program's version, for the status. Errors: a file that cannot
-  /// be read, a queue that cannot be created.
+  /// absolute paths. `release`: the program's version, for the status. Errors: a file of
+  /// `settings` that cannot be read.
   static Result<std::unique_ptr<MqttPublisher>> start(const MqttSettings& settings,
                                                       const std::filesystem::path& queue_file,
                                                       std::string release);
@@ -31,6 +31,10 @@ class MqttPublisher {
 
   /// Fill level of the queue in KiB, and the number of reports that were dropped.
   QueueStats stats() const;
+
+  /// Why reports wait in memory, to be lost at a restart, and not in the file; an empty text if
+  /// they do not.
+  std::string disk_problem() const;
 
   /// Publishes what waits and that the vehicle goes offline, for at most `timeout`, then ends. What
   /// is left is published after the next start.

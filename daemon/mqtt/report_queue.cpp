@@ -1,194 +1,177 @@
 #include "daemon/mqtt/report_queue.hpp"
 
-#include <sqlite3.h>
-
 #include <algorithm>
 #include <system_error>
+#include <tuple>
 
 namespace infuse::daemon {
 namespace {
 
-// Some bytes of a file are its own: pages that are not full, the index, the log before a
-// checkpoint.
-constexpr uint64_t kFileOverhead = 2;  // times the messages at most
-constexpr int kPageBytes = 4096;
+/// A name for the damaged file that no other has.
+std::string name_aside(const std::filesystem::path& path) {
+  constexpr int kMaxKept = 1000;
+  std::string name = path.string() + ".damaged";
+  std::error_code failed;
+  for (int i = 1; i < kMaxKept && std::filesystem::exists(name, failed); ++i) {
+    name = path.string() + ".damaged." + std::to_string(i);
+  }
+  return name;
+}
 
-constexpr int kVersion = 1;  // of the tables; 0 is an empty file, or that of 0.1.0
-constexpr const char* kSchema =
-    "PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL; PRAGMA journal_size_limit=1048576;"
-    "CREATE TABLE IF NOT EXISTS reports(id INTEGER PRIMARY KEY AUTOINCREMENT, importance INTEGER "
-    "NOT NULL,"
-    " topic TEXT NOT NULL, payload BLOB NOT NULL, retain INTEGER NOT NULL);"
-    "CREATE INDEX IF NOT EXISTS by_importance ON reports(importance, id);";
-
-uint64_t size_of(const QueuedReport& report) { return report.topic.size() + report.payload.size(); }
-
-std::string column_bytes(sqlite3_stmt* statement, int column) {
-  const auto* bytes = static_cast<const char*>(sqlite3_column_blob(statement, column));
-  const int count = sqlite3_column_bytes(statement, column);
-  return bytes == nullptr ? std::string() : std::string(bytes, static_cast<size_t>(count));
+/// Sets the file of a database aside, with what belongs to it. Returns its new name.
+std::string set_aside(const std::filesystem::path& path) {
+  const std::string aside = name_aside(path);
+  std::error_code failed;
+  for (const char* suffix : {"", "-wal", "-shm"}) {
+    const std::filesystem::path file = path.string() + suffix;
+    if (std::filesystem::exists(file, failed)) {
+      std::filesystem::rename(file, aside + suffix, failed);
+    }
+  }
+  return aside;
 }
 
 }  // namespace
 
-void ReportQueue::CloseDatabase::operator()(sqlite3* database) const { sqlite3_close_v2(database); }
-
-void ReportQueue::FinishStatement::operator()(sqlite3_stmt* statement) const {
-  sqlite3_finalize(statement);
+ReportQueue::ReportQueue(std::filesystem::path path, uint64_t max_bytes)
+    : path_(std::move(path)), max_bytes_(max_bytes) {
+  if (!path_.empty()) open_file();
 }
 
-Result<ReportQueue> ReportQueue::open(const std::filesystem::path& path, uint64_t max_bytes) {
-  ReportQueue queue(max_bytes);
-  if (path.empty()) {
-    if (auto opened = queue.open_file(":memory:"); !opened) return tl::unexpected(opened.error());
-    return queue;
+// A damaged file is kept for who wants to know, and a new one is begun.
+bool ReportQueue::open_file() {
+  auto file = ReportFile::open(path_);
+  if (!file && file.error().damaged) {
+    damage_ = file.error().what + "; kept as " + set_aside(path_);
+    file = ReportFile::open(path_);
+    if (!file && file.error().damaged) damage_.clear();  // it cannot be renamed
   }
-  auto opened = queue.open_file(path.string());
-  if (opened) return queue;
-  // Damaged, or from something else: it is kept for who wants to know, and a new one is begun.
-  ReportQueue fresh(max_bytes);
-  const std::string why = opened.error().message();
-  queue = ReportQueue(max_bytes);  // closes the file
-  std::error_code failed;
-  for (const char* suffix : {"", "-wal", "-shm"}) {
-    const std::filesystem::path file = path.string() + suffix;
-    if (!std::filesystem::exists(file, failed)) continue;
-    std::filesystem::rename(file, path.string() + ".damaged" + suffix, failed);
+  if (!file) {
+    disk_problem_ = file.error().what;
+    return false;
   }
-  opened = fresh.open_file(path.string());
-  if (!opened) return tl::unexpected(opened.error());
-  fresh.damage_ = why + "; kept as " + path.string() + ".damaged";
-  return fresh;
-}
-
-Result<void> ReportQueue::open_file(const std::string& path) {
-  sqlite3* database = nullptr;
-  const int status =
-      sqlite3_open_v2(path.c_str(), &database,
-                      SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX, nullptr);
-  database_.reset(database);
-  if (status != SQLITE_OK)
-    return fail("cannot be opened: " + std::string(sqlite3_errstr(status)), path);
-  sqlite3_db_config(database, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
-  const int version = read_version();
-  if (version > kVersion) return fail("was written by a newer version of infuse", path);
-  if (auto done = execute(kSchema); !done) return fail(done.error().what, path);
-  // Not on a full disk: then the next start states it.
-  if (version < kVersion) {
-    static_cast<void>(execute(("PRAGMA user_version=" + std::to_string(kVersion)).c_str()));
+  if (const auto moved = move_to_file(*file); !moved) {
+    disk_problem_ = moved.error().message();
+    return false;
   }
-  const auto pages = static_cast<unsigned long long>(kFileOverhead * max_bytes_ / kPageBytes + 64);
-  if (auto done = execute(("PRAGMA max_page_count=" + std::to_string(pages)).c_str()); !done) {
-    return fail(done.error().what, path);
-  }
-  insert_ = prepare("INSERT INTO reports(importance, topic, payload, retain) VALUES(?, ?, ?, ?)");
-  next_ = prepare(
-      "SELECT id, importance, topic, payload, retain FROM reports WHERE id > ? ORDER BY id LIMIT "
-      "1");
-  size_of_ =
-      prepare("SELECT length(CAST(topic AS BLOB)) + length(payload) FROM reports WHERE id = ?");
-  least_ = prepare("SELECT id FROM reports ORDER BY importance, id LIMIT 1");
-  delete_ = prepare("DELETE FROM reports WHERE id = ?");
-  const Statement total = prepare(
-      "SELECT count(*), coalesce(sum(length(CAST(topic AS BLOB)) + length(payload)), 0)"
-      " FROM reports");
-  if (!insert_ || !next_ || !size_of_ || !least_ || !delete_ || !total ||
-      sqlite3_step(total.get()) != SQLITE_ROW) {
-    return fail(std::string("is not a queue of reports: ") + sqlite3_errmsg(database), path);
-  }
-  messages_ = static_cast<uint64_t>(sqlite3_column_int64(total.get(), 0));
-  bytes_ = static_cast<uint64_t>(sqlite3_column_int64(total.get(), 1));
-  return {};
-}
-
-int ReportQueue::read_version() {
-  const Statement version = prepare("PRAGMA user_version");
-  if (!version || sqlite3_step(version.get()) != SQLITE_ROW) return 0;
-  return sqlite3_column_int(version.get(), 0);
-}
-
-Result<void> ReportQueue::execute(const char* text) {
-  if (sqlite3_exec(database_.get(), text, nullptr, nullptr, nullptr) == SQLITE_OK) return {};
-  return fail(std::string("is not a queue of reports: ") + sqlite3_errmsg(database_.get()));
-}
-
-ReportQueue::Statement ReportQueue::prepare(const char* text) {
-  sqlite3_stmt* statement = nullptr;
-  sqlite3_prepare_v2(database_.get(), text, -1, &statement, nullptr);
-  return Statement(statement);
-}
-
-bool ReportQueue::insert(const QueuedReport& report) {
-  sqlite3_stmt* row = insert_.get();
-  sqlite3_bind_int(row, 1, report.importance);
-  sqlite3_bind_text64(row, 2, report.topic.data(), report.topic.size(), SQLITE_STATIC, SQLITE_UTF8);
-  sqlite3_bind_blob64(row, 3, report.payload.data(), report.payload.size(), SQLITE_STATIC);
-  sqlite3_bind_int(row, 4, report.retain ? 1 : 0);
-  const bool inserted = sqlite3_step(row) == SQLITE_DONE;
-  sqlite3_reset(row);
-  sqlite3_clear_bindings(row);
-  if (!inserted) return false;
-  ++messages_;
-  bytes_ += size_of(report);
+  disk_problem_.clear();
+  std::tie(messages_, bytes_) = file->totals();
+  last_id_ = file->last_id();
+  file_ = *std::move(file);
+  make_room(0);
   return true;
 }
 
-Result<void> ReportQueue::add(const QueuedReport& report) {
-  constexpr int kMaxDropsPerAdd = 64;
-  if (size_of(report) > max_bytes_) {
-    ++dropped_;
-    return fail("a report of " + std::to_string(size_of(report)) + " bytes exceeds queue_mb");
-  }
-  while (bytes_ + size_of(report) > max_bytes_ && drop_least_important()) {
-  }
-  for (int drops = 0; drops <= kMaxDropsPerAdd; ++drops) {
-    if (insert(report)) return {};
-    if (!drop_least_important()) break;
-  }
-  ++dropped_;
-  return fail(std::string("a report cannot be queued: ") + sqlite3_errmsg(database_.get()));
+bool ReportQueue::try_file() { return !path_.empty() && !file_ && open_file(); }
+
+void ReportQueue::leave_file(const Error& why) {
+  disk_problem_ = why.message();
+  file_.reset();
+  messages_ = bytes_ = 0;
 }
 
-bool ReportQueue::drop_least_important() {
-  const bool any = sqlite3_step(least_.get()) == SQLITE_ROW;
-  const int64_t id = any ? sqlite3_column_int64(least_.get(), 0) : 0;
-  sqlite3_reset(least_.get());
+Result<void> ReportQueue::move_to_file(ReportFile& file) {
+  auto moved = file.change_at_once([&]() -> Result<void> {
+    for (const int64_t id : published_) {
+      if (auto removed = file.remove(id); !removed) return tl::unexpected(removed.error());
+    }
+    for (const std::string& topic : newer_topics_) {
+      if (auto stopped = file.stop_retaining(topic); !stopped) return stopped;
+    }
+    for (const auto& [id, report] : memory_) {
+      if (auto added = file.add(report); !added) return tl::unexpected(added.error());
+    }
+    return {};
+  });
+  if (!moved) return moved;
+  published_.clear();
+  newer_topics_.clear();
+  memory_.clear();
+  by_importance_.clear();
+  return {};
+}
+
+Result<void> ReportQueue::add(const QueuedReport& report) {
+  if (report.bytes() > max_bytes_) {
+    ++dropped_;
+    return fail("a report of " + std::to_string(report.bytes()) + " bytes exceeds queue_mb");
+  }
+  make_room(report.bytes());
+  if (file_) {
+    if (const auto added = file_->add(report); !added) {
+      leave_file(added.error());
+      make_room(report.bytes());
+    } else {
+      last_id_ = *added;
+    }
+  }
+  if (!file_) {
+    const int64_t id = ++last_id_;
+    by_importance_.insert({report.importance, id});
+    memory_.emplace(id, report).first->second.id = id;
+    if (report.retain) newer_topics_.insert(report.topic);
+  }
+  ++messages_;
+  bytes_ += report.bytes();
+  return {};
+}
+
+/// Drops messages until `bytes` more fit.
+void ReportQueue::make_room(uint64_t bytes) {
+  while (bytes_ + bytes > max_bytes_ && drop_lowest_importance()) {
+  }
+}
+
+bool ReportQueue::drop_lowest_importance() {
+  if (messages_ == 0) return false;
+  if (!file_) {
+    remove_from_memory(by_importance_.begin()->second);
+    ++dropped_;
+    return true;
+  }
+  const auto least = file_->lowest_importance();
   const uint64_t before = messages_;
-  if (any) remove(id);
-  if (messages_ == before) return false;
+  if (!least) leave_file(least.error());
+  if (!least || !*least) return false;
+  remove(**least);
+  if (!file_ || messages_ == before) return false;
   ++dropped_;
   return true;
 }
 
 std::optional<QueuedReport> ReportQueue::next_after(int64_t id) {
-  sqlite3_bind_int64(next_.get(), 1, id);
-  std::optional<QueuedReport> report;
-  if (sqlite3_step(next_.get()) == SQLITE_ROW) {
-    report = QueuedReport{.id = sqlite3_column_int64(next_.get(), 0),
-                          .importance = sqlite3_column_int(next_.get(), 1),
-                          .topic = column_bytes(next_.get(), 2),
-                          .payload = column_bytes(next_.get(), 3),
-                          .retain = sqlite3_column_int(next_.get(), 4) != 0};
+  if (file_) {
+    auto next = file_->next_after(id);
+    if (next) return *std::move(next);
+    leave_file(next.error());
   }
-  sqlite3_reset(next_.get());
-  return report;
+  const auto next = memory_.upper_bound(id);
+  if (next == memory_.end()) return std::nullopt;
+  return next->second;
 }
 
 void ReportQueue::remove(int64_t id) {
-  sqlite3_bind_int64(size_of_.get(), 1, id);
-  const bool exists = sqlite3_step(size_of_.get()) == SQLITE_ROW;
-  const auto bytes = static_cast<uint64_t>(exists ? sqlite3_column_int64(size_of_.get(), 0) : 0);
-  sqlite3_reset(size_of_.get());
-  if (exists) remove_row(id, bytes);
+  if (!file_) {
+    if (memory_.contains(id)) return remove_from_memory(id);
+    if (!path_.empty()) published_.push_back(id);
+    return;
+  }
+  const auto removed = file_->remove(id);
+  if (!removed) {
+    leave_file(removed.error());
+    published_.push_back(id);
+  } else if (*removed > 0) {
+    --messages_;
+    bytes_ -= std::min(bytes_, *removed);
+  }
 }
 
-void ReportQueue::remove_row(int64_t id, uint64_t bytes) {
-  sqlite3_bind_int64(delete_.get(), 1, id);
-  const bool removed = sqlite3_step(delete_.get()) == SQLITE_DONE;
-  sqlite3_reset(delete_.get());
-  if (!removed) return;
+void ReportQueue::remove_from_memory(int64_t id) {
+  const auto found = memory_.find(id);
+  by_importance_.erase({found->second.importance, id});
   --messages_;
-  bytes_ -= std::min(bytes_, bytes);
+  bytes_ -= found->second.bytes();
+  memory_.erase(found);
 }
 
 }  // namespace infuse::daemon

@@ -21,5 +21,7 @@ Command declare_record(CLI::App& infuse);
 Command declare_odometry(CLI::App& infuse);
 Command declare_history(CLI::App& infuse);
 Command declare_report(CLI::App& infuse);
+Command declare_config(CLI::App& infuse);
+Command declare_diagnose(CLI::App& infuse);
 
 }  // namespace infuse::daemon

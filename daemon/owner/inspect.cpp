@@ -9,6 +9,7 @@
 #include "daemon/owner/inspection.hpp"
 #include "daemon/owner/inspection_list.hpp"
 #include "drivers/recording/capture_parts.hpp"
+#include "drivers/text/printable.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -34,7 +35,7 @@ int inspect_folder(const InspectArguments& arguments, const LidarOverrides& over
                                     : Json{{"path", capture.string()},
                                            {"problems", {inspection.error().message()}}});
     } else {
-      std::cout << text << std::flush;
+      std::cout << text::printable(text, "\n") << std::flush;
     }
   }
   if (arguments.json) {
@@ -57,7 +58,8 @@ int run(const InspectArguments& arguments) {
   const auto inspection = inspect_recording(arguments.path, overrides, line);
   line.clear();
   if (!inspection) return print_error("infuse inspect", inspection.error(), kUnreadable);
-  std::cout << (arguments.json ? json_text(to_json(*inspection)) + "\n" : to_text(*inspection));
+  std::cout << (arguments.json ? json_text(to_json(*inspection)) + "\n"
+                               : text::printable(to_text(*inspection), "\n"));
   return has_lidar(*inspection) ? kDone : kFailure;
 }
 

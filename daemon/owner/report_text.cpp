@@ -9,6 +9,7 @@
 
 #include "daemon/protocol/names.hpp"
 #include "drivers/measurement/angles.hpp"
+#include "drivers/text/printable.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -37,6 +38,25 @@ std::string findings_text(const Json& sensor) {
   return lines;
 }
 
+/// What is kept on disks; and what waits for the broker.
+std::string stores_text(const Json& host) {
+  std::string lines;
+  for (const Json& store : host.value("stores", Json::array())) {
+    const bool writable = store.value("writable", true);
+    lines += fmt::format("  {:<5} {} on disk: {}", writable ? "OK" : "WARN",
+                         text_of(store, "store"), writable ? "" : text_of(store, "problem") + ", ");
+    lines += store.contains("free_bytes")
+                 ? fmt::format("{:.1f} GB free\n", store.value("free_bytes", 0.0) * 1e-9)
+                 : "free space unknown\n";
+  }
+  for (const Json& queue : host.value("queues", Json::array())) {
+    if (text_of(queue, "queue") != "mqtt_kib") continue;
+    lines += fmt::format("        {} KiB wait for the broker, {} reports dropped\n",
+                         queue.value("depth", uint64_t{0}), queue.value("lost", uint64_t{0}));
+  }
+  return lines;
+}
+
 /// State of the tracker and why it is not TRACKING; empty but for a pose on the street map.
 std::string state_text(const Json& pose) {
   const std::string state = text_of(pose, "state"), doubt = text_of(pose, "doubt");
@@ -46,7 +66,9 @@ std::string state_text(const Json& pose) {
 
 }  // namespace
 
-std::string text_of(const Json& object, const char* key) { return object.value(key, ""); }
+std::string text_of(const Json& object, const char* key) {
+  return text::printable(object.value(key, ""));
+}
 
 std::string health_text(const Json& health) {
   std::string lines = findings_text(health);
@@ -105,6 +127,7 @@ std::string health_text(const Json& health) {
                          text_of(calibration, "device"));
     lines += findings_text(calibration);
   }
+  if (health.contains("host")) lines += stores_text(health["host"]);
   return lines;
 }
 
@@ -147,7 +170,9 @@ DaemonStatus daemon_status(const std::vector<Json>& reports) {
   DaemonStatus status;
   std::string health = "no health report yet\n";
   for (const Json& report : reports) {
-    if (text_of(report, "state") == "recording") status.text += report_text(report);
+    if (text_of(report, "class") == "RECORD" && text_of(report, "state") != "ended") {
+      status.text += report_text(report);
+    }
     if (text_of(report, "class") != "HEALTH") continue;
     status.level = level_of(report, "level");
     health = report_text(report);

@@ -37,8 +37,13 @@ int run(const StatusArguments& arguments) {
   if (!reports) return print_error("infuse status", reports.error(), kFailure);
 
   if (!arguments.json) {
-    std::cout << fmt::format("infused {}, protocol {}\n", client->version().value("release", ""),
-                             json_text(client->version().value("protocol", Json())));
+    const Json& version = client->version();
+    std::cout << fmt::format("infused {}, protocol {}\n", version.value("release", ""),
+                             json_text(version.value("protocol", Json())));
+    if (version.contains("config_digest")) {
+      std::cout << fmt::format("configuration {} {}\n", text_of(version, "config_digest"),
+                               text_of(version, "config_version"));
+    }
   }
   const DaemonStatus status = daemon_status(*reports);
   if (arguments.json) {

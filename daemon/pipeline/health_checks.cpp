@@ -25,7 +25,10 @@ std::variant<LidarHealth, StreamHealth> make_health(const Sensor& sensor,
                                                     const HealthOptions& options, Stamp start) {
   const std::string& endpoint = sensor.device.endpoint;
   if (sensor.id.kind == SensorKind::kLidar) return LidarHealth(endpoint, options, start);
-  return StreamHealth(endpoint, options, start);
+  // The fastest receivers give 100 fixes a second, each by an RMC and a GGA sentence.
+  constexpr double kMaxSentencesHz = 250;
+  if (sensor.id.kind != SensorKind::kGnss) return StreamHealth(endpoint, options, start);
+  return StreamHealth(endpoint, options, start, kMaxSentencesHz);
 }
 
 /// Stamp of the first data of a sensor; nothing while there was none.
@@ -46,7 +49,8 @@ HealthChecks::HealthChecks(const SensorSetup& setup, const HealthOptions& option
       odometry_(options),
       streetmap_(streetmap_alerts(), options),
       map_(map_alerts(), options),
-      rig_(rig_alerts(), options) {
+      rig_(rig_alerts(), options),
+      host_(host_alerts(), options) {
   for (const Sensor& sensor : setup.sensors()) {
     names_.push_back(sensor.device.name);
     sensors_.push_back({sensor, make_health(sensor, options, Stamp())});
@@ -102,6 +106,13 @@ HealthReport HealthChecks::check(const ReportItem& tick, Duration drive,
   report.findings = rig_.findings();
   append_alerts(stamp, kDaemonDevice, rig_.transitions(), alerts);
   return report;
+}
+
+void HealthChecks::check_host(const HostStatus& host, HealthReport& report,
+                              std::vector<AlertReport>& alerts) {
+  host_.update(report.stamp, host);
+  report.findings.insert(report.findings.end(), host_.findings().begin(), host_.findings().end());
+  append_alerts(report.stamp, kDaemonDevice, host_.transitions(), alerts);
 }
 
 void HealthChecks::check_sensors(const ReportItem& tick, HealthReport& report,

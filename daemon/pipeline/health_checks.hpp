@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "daemon/health/calibration_health.hpp"
+#include "daemon/health/host_alerts.hpp"
 #include "daemon/health/lidar_health.hpp"
 #include "daemon/health/odometry_health.hpp"
 #include "daemon/health/rig_health.hpp"
@@ -32,6 +33,9 @@ class HealthChecks {
   /// Checks everything but calibrations at a tick; `drive`: time since the start. What is raised or
   /// cleared is appended to `alerts`. Host figures are left out.
   HealthReport check(const ReportItem& tick, Duration drive, std::vector<AlertReport>& alerts);
+
+  /// Checks the host; live only. Its findings are appended to those of the report about the daemon.
+  void check_host(const HostStatus& host, HealthReport& report, std::vector<AlertReport>& alerts);
 
   /// Checks a calibration. What is raised or cleared is appended to `alerts`.
   void check(const CalibrationReport& report, std::vector<AlertReport>& alerts);
@@ -69,6 +73,7 @@ class HealthChecks {
   AlertChecks<StreetMapStatus> streetmap_;
   AlertChecks<MapStatus> map_;
   AlertChecks<RigStatus> rig_;
+  AlertChecks<HostStatus> host_;
   std::map<std::string, AlertChecks<CalibrationStatus>> calibrations_;  // by camera
 };
 

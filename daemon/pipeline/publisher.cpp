@@ -91,6 +91,9 @@ void Publisher::publish_health(const ReportItem& item) {
   totals_.host = host_stats(item);
   publish_alerts(alerts);
   if (file_ != nullptr) file_->write(message(report));  // without host figures
+  alerts.clear();
+  checks_.check_host({totals_.host.stores, totals_.host.clock}, report, alerts);
+  publish_alerts(alerts);
   report.host = totals_.host;
   for (const auto& listener : health_listeners_) listener(report);
   serve(ReportClass::kHealth, "", item.stamp, message(report));
@@ -120,6 +123,8 @@ HostStats Publisher::host_stats(const ReportItem& item) const {
                  {"reports", static_cast<uint32_t>(in_.backlog()),
                   static_cast<uint32_t>(ring_.capacity()), in_.lost()}};
   for (const auto& stats : queues_) host.queues.push_back(stats());
+  for (const auto& status : stores_) host.stores.push_back(status());
+  if (clock_) host.clock = clock_();
   return host;
 }
 

@@ -65,6 +65,12 @@ class Publisher {
   /// Adds a queue of the host to the figures of HEALTH.
   void add_queue(std::function<QueueStats()> stats) { queues_.push_back(std::move(stats)); }
 
+  /// Adds something that is kept on a disk to the figures of HEALTH and to the checks.
+  void add_store(std::function<StoreStatus()> status) { stores_.push_back(std::move(status)); }
+
+  /// Sets who asks the host's clock at each HEALTH.
+  void set_clock(std::function<std::optional<SystemClock>()> clock) { clock_ = std::move(clock); }
+
   /// Replaces the thresholds of the health checks.
   void set_health_options(const HealthOptions& health) { checks_.set_options(health); }
 
@@ -102,6 +108,8 @@ class Publisher {
   std::vector<std::function<void(ReportClass, const std::string&, const std::string&)>>
       line_listeners_;
   std::vector<std::function<QueueStats()>> queues_;
+  std::vector<std::function<StoreStatus()>> stores_;
+  std::function<std::optional<SystemClock>()> clock_;
   Server& server_;
   ReportsFile* file_;
   Totals totals_;

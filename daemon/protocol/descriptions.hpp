@@ -19,6 +19,10 @@ void describe(Visitor& v, const VersionReport& version) {
   v.field("release", version.release);
   v.field("protocol", kProtocolVersion, "major, minor; compatible within a major version");
   v.field("session", version.session, "16 hexadecimal digits; another one after a restart");
+  v.field("config_digest", unless_empty(version.config_digest),
+          "checksum of the configuration in use; absent without one");
+  v.field("config_version", unless_empty(version.config_version),
+          "`version` of the configuration; absent without it");
 }
 
 template <class Visitor>

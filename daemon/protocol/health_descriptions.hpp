@@ -163,11 +163,34 @@ void describe(Visitor& v, const QueueStats& queue) {
 }
 
 template <class Visitor>
+void describe(Visitor& v, const StoreStatus& store) {
+  v.field("store", store.name, "what the daemon keeps on a disk");
+  v.field("free_bytes", store.free_bytes, "Free space on the disk of a store.",
+          gauge("infuse_store_free_bytes"));
+  v.field("writable", store.problem.empty(), "Whether a store can be written.",
+          gauge("infuse_store_writable"));
+  v.field("problem", unless_empty(store.problem), "why it cannot");
+}
+
+template <class Visitor>
+void describe(Visitor& v, const SystemClock& clock) {
+  v.field("synchronised", clock.synchronised, "Whether the host's clock is kept by NTP or PTP.",
+          gauge("infuse_system_clock_synchronised"));
+  v.field("max_error_s", non_negative(rounded(clock.max_error_s)),
+          "Bound of the error of the host's clock.",
+          gauge("infuse_system_clock_max_error_seconds"));
+  v.field("error_s", non_negative(rounded(clock.error_s)), "Estimated error of the host's clock.",
+          gauge("infuse_system_clock_error_seconds"));
+}
+
+template <class Visitor>
 void describe(Visitor& v, const HostStats& host) {
   v.field("cpu_s", non_negative(rounded(host.cpu_s)), "Processor time of the daemon.",
           counter("process_cpu_seconds_total"));
   v.field("stages", host.stages);
   v.field("queues", host.queues);
+  v.field("stores", when(!host.stores.empty(), host.stores), "live: what is kept on disks");
+  v.field("clock", host.clock, "live: the host's clock; absent if the kernel does not say");
 }
 
 template <class Visitor>

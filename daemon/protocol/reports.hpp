@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "daemon/health/host_alerts.hpp"
 #include "daemon/health/latency_histogram.hpp"
 #include "daemon/health/lidar_health.hpp"
 #include "daemon/health/map_health.hpp"
@@ -127,6 +128,8 @@ struct HostStats {
   double cpu_s = 0;
   std::vector<StageStats> stages;
   std::vector<QueueStats> queues;
+  std::vector<StoreStatus> stores;   ///< live
+  std::optional<SystemClock> clock;  ///< live; nothing if it cannot be asked
 };
 
 /// Health of one device.
@@ -244,7 +247,9 @@ struct CalibrationReport {
 /// Greeting of the server.
 struct VersionReport {
   std::string release;
-  std::string session;  ///< differs from one start of the daemon to the next
+  std::string session;         ///< differs from one start of the daemon to the next
+  std::string config_digest;   ///< of the configuration in use; empty: not known
+  std::string config_version;  ///< its owner's name of it; empty: none
 };
 
 /// Loss of reports of a slow client.

@@ -9,9 +9,12 @@
 #include "daemon/metrics/metrics_feed.hpp"
 #include "daemon/mqtt/mqtt_feed.hpp"
 #include "daemon/pipeline/alert_log.hpp"
+#include "daemon/process/free_space.hpp"
+#include "daemon/process/state_lock.hpp"
 #include "daemon/sensors/live_pipeline.hpp"
 #include "daemon/service/daemon_host.hpp"
 #include "daemon/service/service_lifecycle.hpp"
+#include "daemon/service/system_clock.hpp"
 #include "daemon/setup/live_setup.hpp"
 #include "daemon/view/open_messages.hpp"
 #include "daemon/view/open_view.hpp"
@@ -46,6 +49,12 @@ int run_live(const RunOptions& options, const Config& config) {
   if (!setup) return refuse(setup.error());
   log_sensors(*setup, options.config);
   const std::filesystem::path state = state_folder();
+  std::optional<receive::FileDescriptor> lock;
+  if (!state.empty()) {
+    auto locked = lock_state(state);
+    if (!locked) return refuse(locked.error());
+    lock = *std::move(locked);
+  }
   DaemonHost host(config, state);
   const auto opened = host.open(setup->rig, options.socket);
   if (!opened) return refuse(opened.error().error, opened.error().code);
@@ -78,18 +87,34 @@ int run_live(const RunOptions& options, const Config& config) {
 
   // Who listens to it, and who asks it.
   recordings.set_publisher(publisher);
-  MetricsFeed metrics_feed(metrics, version());
+  MetricsFeed metrics_feed(metrics, version(), config);
   if (config.metrics.enabled()) publisher.add_sink(metrics_feed);
   AlertLog alert_log;
   publisher.add_alert_listener([&](const AlertReport& alert) { alert_log.add(alert); });
   HistoryWriter history(state);
   publisher.add_sink(history);
+  if (!state.empty()) {
+    publisher.add_store([&] {
+      return StoreStatus{"history", free_space(state), history.problem()};
+    });
+    publisher.add_store([&] {
+      return StoreStatus{"calibrations", free_space(state), host.calibrations_problem()};
+    });
+  }
+  SystemClockQuery clock;
+  publisher.set_clock([&clock] { return clock.ask(); });
+  if (const auto& folder = recordings.directory(); !folder.empty()) {
+    publisher.add_store([&folder] { return StoreStatus{"recordings", free_space(folder), ""}; });
+  }
   publish_to_view(*view, publisher);
   start_messages(*messages, live.pipeline(), true);
   if (MqttFeed* feed = broker->get()) {
     publisher.add_sink(*feed);
     publisher.set_pose_listener([feed](const PoseReport& pose) { feed->add(pose); });
     publisher.add_queue([feed] { return feed->stats(); });
+    publisher.add_store([feed, &state] {
+      return StoreStatus{"mqtt", free_space(state), feed->disk_problem()};
+    });
   }
   host.connect(live.pipeline(),
                [&](const Request& request) { return recordings.handle_request(request); });

@@ -15,6 +15,7 @@
 #include "daemon/view/open_messages.hpp"
 #include "daemon/view/open_view.hpp"
 #include "daemon/view/replay_control.hpp"
+#include "drivers/text/printable.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -33,11 +34,13 @@ ViewSettings view_settings(const RunOptions& options, const Config& config) {
   ViewSettings settings = config.view;
   if (options.view && settings.port == 0) settings.port = kReplayViewPort;
   if (!options.view) settings.port = 0;
+  settings.path.clear();
   return settings;
 }
 
 void print_summary(const Summary& summary, bool json) {
-  std::cout << (json ? json_text(to_json(summary)) + "\n" : to_text(summary)) << std::flush;
+  std::cout << (json ? json_text(to_json(summary)) + "\n" : text::printable(to_text(summary), "\n"))
+            << std::flush;
 }
 
 }  // namespace
@@ -75,7 +78,7 @@ int run_replay(const RunOptions& options, const Config& config) {
   auto view =
       open_view(viewed, setup->rig, pipeline_options.street_map, control, messages->channels.get());
   if (!view) return refuse(view.error());
-  if (view->server) std::cerr << "view: " << view->server->address() << std::endl;
+  if (view->server) std::cerr << "view: " << view->server->page_address() << std::endl;
 
   // The pipeline.
   pipeline_options.view = view->tap.get();

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <span>
 
 #include "daemon/health/service_alerts.hpp"
+#include "drivers/recording/atomic_file.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -190,9 +192,23 @@ void RecordingController::publish_report(const RecordReport& report) {
   spdlog::info("{}: {:.1f} s, {:.1f} MB, {} lost{}{}", report.folder, to_seconds(report.duration),
                static_cast<double>(report.bytes) * 1e-6, report.lost,
                report.reason.empty() ? "" : ": ", report.reason);
+  if (report.name.starts_with(kAlertPrefix)) announce(report);
   if (report.failed) {
     raise_failure_alert(report.stamp, "a recording ended prematurely: " + report.reason);
   }
+}
+
+/// Lets who takes recordings off the vehicle know (systemd/infuse-upload.path), if there is one.
+void RecordingController::announce(const RecordReport& report) const {
+  const char* state = std::getenv("STATE_DIRECTORY");
+  const std::filesystem::path spool =
+      std::filesystem::path(state == nullptr ? "" : state) / "spool";
+  std::error_code failed;
+  if (state == nullptr || !std::filesystem::is_directory(spool, failed)) return;
+  const std::string line = report.folder + "\n";
+  const auto written =
+      recording::write_file_atomically(spool / report.name, std::as_bytes(std::span(line)), 0640);
+  if (!written) spdlog::warn("{}", written.error().message());
 }
 
 // Raised once, until a recording begins.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -39,6 +40,9 @@ class RecordingController {
   /// Publishes the recorder's state if it has changed.
   void publish_updates();
 
+  /// Folder of the recordings; empty if recording is disabled.
+  const std::filesystem::path& directory() const { return directory_; }
+
   /// True while a recording is being written.
   bool is_recording() const { return recorder_ && recorder_->is_recording(); }
 
@@ -56,6 +60,7 @@ class RecordingController {
   Result<void> create_directory() const;
   void on_alert(const AlertReport& alert);
   void publish_report(const RecordReport& report);
+  void announce(const RecordReport& report) const;
   void raise_failure_alert(Stamp stamp, const std::string& what);
 
   RecordSettings settings_;

@@ -24,17 +24,23 @@ Server::Server(asio::io_context& io, const ServerOptions& options, std::string_v
                std::string_view session)
     : io_(io),
       options_(options),
-      greeting_(std::make_shared<const std::string>(
-          message(VersionReport{std::string(release), std::string(session)}) + '\n')),
+      release_(release),
+      session_(session),
       local_(io),
       tcp_(io),
       timer_(io) {
+  set_configuration("", "");
   check_sessions();
 }
 
 Server::~Server() {
   for (const auto& session : sessions_) session->close();
   if (!path_.empty()) ::unlink(path_.c_str());
+}
+
+void Server::set_configuration(const std::string& digest, const std::string& version) {
+  greeting_ = std::make_shared<const std::string>(
+      message(VersionReport{release_, session_, digest, version}) + '\n');
 }
 
 Result<void> Server::listen(const std::filesystem::path& path) {

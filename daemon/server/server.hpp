@@ -30,6 +30,9 @@ class Server {
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
+  /// States the configuration in the greeting of later clients.
+  void set_configuration(const std::string& digest, const std::string& version);
+
   /// Listens on a Unix stream socket with access for its group. Replaces a socket on which nobody
   /// answers, and creates a missing folder.
   Result<void> listen(const std::filesystem::path& path);
@@ -70,6 +73,7 @@ class Server {
 
   boost::asio::io_context& io_;
   ServerOptions options_;
+  std::string release_, session_;
   Line greeting_;
   boost::asio::local::stream_protocol::acceptor local_;
   boost::asio::ip::tcp::acceptor tcp_;

@@ -3,20 +3,18 @@
 #include <net/if.h>
 #include <unistd.h>
 
-#include <ostream>
-
+#include "daemon/mapping/place_map.hpp"
 #include "daemon/service/daemon_host.hpp"
 #include "daemon/setup/live_setup.hpp"
 
 namespace infuse::daemon {
 namespace {
 
-void print_notes(const SensorSetup& setup, std::ostream& out) {
-  for (const auto* notes : {&setup.vehicle.notes, &setup.doubts}) {
-    for (const Error& each : *notes) out << "note: " << each.message() << "\n";
-  }
+std::vector<Error> notes_about(const SensorSetup& setup) {
+  std::vector<Error> notes = setup.vehicle.notes;
+  notes.insert(notes.end(), setup.doubts.begin(), setup.doubts.end());
   const auto note = [&](const std::string& what) {
-    out << "note: " << what << " does not exist at present\n";
+    notes.push_back({what + " does not exist at present", "", ""});
   };
   for (const BusSetup& bus : setup.vehicle.buses) {
     const std::string& interface = bus.interface.interface;
@@ -26,20 +24,55 @@ void print_notes(const SensorSetup& setup, std::ostream& out) {
     const std::string& device = camera.stream.device;
     if (::access(device.c_str(), F_OK) != 0) note(device);
   }
-  if (!setup.gnss_serial) return;
-  const std::string& device = setup.gnss_serial->device;
-  if (::access(device.c_str(), F_OK) != 0) note(device);
+  if (setup.gnss_serial && ::access(setup.gnss_serial->device.c_str(), F_OK) != 0) {
+    note(setup.gnss_serial->device);
+  }
+  return notes;
+}
+
+Json json_of(const Error& error) {
+  Json json = {{"what", error.what}};
+  if (!error.where.empty()) json["where"] = error.where;
+  if (!error.hint.empty()) json["hint"] = error.hint;
+  return json;
 }
 
 }  // namespace
 
-Result<void> check_config(const Config& config, std::ostream& out) {
-  const auto setup = set_up_live(config);
-  if (!setup) return tl::unexpected(setup.error());
-  if (const auto map = open_place_map(config); !map) return tl::unexpected(map.error());
+Result<void> check_maps(const Config& config) {
   if (const auto map = open_street_map(config); !map) return tl::unexpected(map.error());
-  print_notes(*setup, out);
-  return {};
+  const auto map = open_place_map(config);
+  if (!map) return tl::unexpected(map.error());
+  return *map ? check_clouds(**map) : Result<void>();
+}
+
+ConfigCheck check_config(const std::filesystem::path& file) {
+  ConfigCheck check{.file = file.string()};
+  const auto config = load_config(file);
+  if (!config) {
+    check.wrong = config.error();
+    return check;
+  }
+  check.digest = config->digest;
+  check.version = config->version;
+  const auto setup = set_up_live(*config);
+  if (setup) check.notes = notes_about(*setup);
+  if (!setup) {
+    check.wrong = setup.error();
+  } else if (const auto maps = check_maps(*config); !maps) {
+    check.wrong = maps.error();
+  }
+  return check;
+}
+
+Json to_json(const ConfigCheck& check) {
+  Json json = {{"file", check.file}, {"valid", !check.wrong}};
+  if (!check.digest.empty()) json["config_digest"] = check.digest;
+  if (!check.version.empty()) json["config_version"] = check.version;
+  if (check.wrong) json["error"] = json_of(*check.wrong);
+  json["notes"] = Json::array();
+  for (const Error& note : check.notes) json["notes"].push_back(json_of(note));
+  return json;
 }
 
 }  // namespace infuse::daemon

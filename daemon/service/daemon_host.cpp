@@ -47,7 +47,9 @@ Result<std::optional<places::PlaceMap>> open_place_map(const Config& config) {
 DaemonHost::DaemonHost(const Config& config, const std::filesystem::path& state_folder)
     : config_(config),
       server_(io_, config.socket, version(), make_session_id()),
-      calibrations_(calibrations_file(state_folder)) {}
+      calibrations_(calibrations_file(state_folder)) {
+  server_.set_configuration(config.digest, config.version);
+}
 
 tl::expected<void, StartError> DaemonHost::open(Rig& rig, const std::string& socket) {
   for (const std::string& note : calibrations_.restore(rig)) spdlog::info("{}", note);
@@ -102,11 +104,9 @@ Result<void> DaemonHost::handle_request(const Request& request) {
   return calibrations_.save_frozen(request.device, request.on);
 }
 
-// A full disk is logged once; the saved state of the run raises the alert.
 void DaemonHost::save(const CalibrationReport& report) {
   const auto saved = calibrations_.save(report);
-  if (!saved && !save_failing_) spdlog::error("{}", saved.error().message());
-  save_failing_ = !saved;
+  calibrations_problem_ = saved ? "" : saved.error().message();
 }
 
 void DaemonHost::run(std::function<void()> on_stop) {

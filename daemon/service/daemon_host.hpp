@@ -70,6 +70,9 @@ class DaemonHost {
   /// read what is queued for them. Called when the pipeline has ended.
   void finish(std::chrono::milliseconds client_timeout);
 
+  /// Why calibrations could not be saved last; empty if they could.
+  const std::string& calibrations_problem() const { return calibrations_problem_; }
+
   /// Why the saved calibrations could not be read; nothing if they could.
   const std::optional<std::string>& calibration_damage() const { return calibrations_.damage(); }
 
@@ -84,7 +87,7 @@ class DaemonHost {
   boost::asio::signal_set stop_signals_{io_, SIGINT, SIGTERM};
   Server server_;
   SavedCalibrations calibrations_;
-  bool save_failing_ = false;
+  std::string calibrations_problem_;
   RequestHandler on_request_, on_record_;
   StreetMapFile map_;
   std::optional<places::PlaceMap> places_;

@@ -9,7 +9,7 @@
 #include "daemon/history/history_file.hpp"
 #include "daemon/history/saved_state.hpp"
 #include "daemon/pipeline/pipeline.hpp"
-#include "daemon/service/daemon_host.hpp"
+#include "daemon/service/config_check.hpp"
 #include "daemon/setup/live_setup.hpp"
 #include "drivers/makers/makers.hpp"
 #include "drivers/recording/atomic_file.hpp"
@@ -31,11 +31,8 @@ ExitCode report_failure(const Error& error, ExitCode code, std::ostream& out) {
 }
 
 ExitCode test_maps(const Config& config, std::ostream& out) {
-  if (const auto map = open_street_map(config); !map) {
-    return report_failure(map.error(), kUnreadable, out);
-  }
-  if (const auto map = open_place_map(config); !map) {
-    return report_failure(map.error(), kUnreadable, out);
+  if (const auto maps = check_maps(config); !maps) {
+    return report_failure(maps.error(), kUnreadable, out);
   }
   out << "ok: maps\n";
   return kDone;

@@ -8,6 +8,7 @@
 
 #include "daemon/health/service_alerts.hpp"
 #include "daemon/process/crash_note.hpp"
+#include "daemon/process/free_space.hpp"
 #include "daemon/process/service_manager.hpp"
 #include "daemon/protocol/messages.hpp"
 
@@ -15,7 +16,7 @@ namespace infuse::daemon {
 namespace {
 
 // Keys of the configuration that a reload applies; see SIGNALS in infused(8).
-constexpr std::array kReloadableKeys = {"log_level", "socket", "health", "record"};
+constexpr std::array kReloadableKeys = {"version", "log_level", "socket", "health", "record"};
 
 std::string status_text(const Publisher& publisher) {
   const HealthChecks& checks = publisher.checks();
@@ -31,11 +32,17 @@ ServiceLifecycle::ServiceLifecycle(ServiceParts parts, const std::string& config
     : parts_(std::move(parts)),
       config_file_(config_file),
       config_(config),
+      applied_(config),
       calibration_damage_(calibration_damage),
       run_tracker_(RunTracker::from_environment()),
       reload_signal_(parts_.io, SIGHUP) {
   parts_.publisher.set_progress_listener([this] { on_progress(); });
   parts_.publisher.add_alert_listener([this](const AlertReport& alert) { add_recent(alert); });
+  if (const auto folder = run_tracker_.folder(); !folder.empty()) {
+    parts_.publisher.add_store([this, folder] {
+      return StoreStatus{"state", free_space(folder), run_tracker_.problem()};
+    });
+  }
   wait_for_reload();
 }
 
@@ -68,7 +75,7 @@ void ServiceLifecycle::on_progress() {
   }
   service_manager::notify_watchdog();
   service_manager::notify_status(status);
-  if (auto alert = run_tracker_.save_if_due(parts_.now())) parts_.publisher.publish_alert(*alert);
+  run_tracker_.save_if_due(parts_.now());
 }
 
 /// Keeps the last alerts for a crash note.
@@ -101,14 +108,20 @@ void ServiceLifecycle::reload_config() {
 void ServiceLifecycle::apply_config(const Config& loaded) {
   spdlog::set_level(spdlog::level::from_str(loaded.log_level));
   parts_.server.set_limits(loaded.socket);
+  parts_.server.set_configuration(loaded.digest, loaded.version);
   parts_.publisher.set_health_options(loaded.health);
   parts_.recordings.apply_settings(loaded.record);
+  const auto reloadable = [](const std::string& key) {
+    return std::find(kReloadableKeys.begin(), kReloadableKeys.end(), key) != kReloadableKeys.end();
+  };
   std::string applied, needs_restart;
-  for (const std::string& key : changed_keys(config_, loaded)) {
-    const bool reloadable =
-        std::find(kReloadableKeys.begin(), kReloadableKeys.end(), key) != kReloadableKeys.end();
-    (reloadable ? applied : needs_restart) += " " + key;
+  for (const std::string& key : changed_keys(applied_, loaded)) {
+    if (reloadable(key)) applied += " " + key;
   }
+  for (const std::string& key : changed_keys(config_, loaded)) {
+    if (!reloadable(key)) needs_restart += " " + key;
+  }
+  applied_ = loaded;
   spdlog::info("configuration reloaded; applied:{}", applied.empty() ? " no changes" : applied);
   if (needs_restart.empty()) return;
   spdlog::warn("changes that need a restart:{} (systemctl restart infused)", needs_restart);

@@ -46,7 +46,8 @@ class ServiceLifecycle {
 
   ServiceParts parts_;
   const std::string& config_file_;
-  const Config& config_;
+  const Config& config_;  // at the start
+  Config applied_;        // since the last reload
   const std::optional<std::string>& calibration_damage_;
   RunTracker run_tracker_;
   boost::asio::signal_set reload_signal_;

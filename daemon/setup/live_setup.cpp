@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "daemon/setup/live_checks.hpp"
 #include "drivers/makers/makers.hpp"
 #include "drivers/measurement/ipv4_address.hpp"
 #include "drivers/recording/drive_toml.hpp"
@@ -13,17 +14,7 @@ namespace {
 
 Result<Rig> read_configured_rig(const Config& config) {
   if (config.rig.empty()) return Rig{};
-  return recording::read_rig(config.resolve(config.rig));
-}
-
-Result<void> check_record_folder(const Config& config) {
-  if (config.record.directory.empty()) return {};
-  const std::filesystem::path folder = config.resolve(config.record.directory);
-  std::error_code error;
-  if (!std::filesystem::exists(folder, error) || std::filesystem::is_directory(folder, error)) {
-    return {};
-  }
-  return fail("record.directory is not a folder", folder.string());
+  return recording::read_vehicle_rig(config.resolve(config.rig));
 }
 
 std::string endpoint_of(const LidarOptions& lidar) {
@@ -143,45 +134,15 @@ Result<void> set_up_gnss(const Config& config, SensorSetup& setup) {
   return {};
 }
 
-/// What is valid and yet hardly meant.
-std::vector<Error> find_doubts(const Config& config, const Rig& rig) {
-  std::vector<Error> doubts;
-  for (const CameraOptions& camera : config.cameras) {
-    if (rig.find_camera(camera.name) != nullptr) continue;
-    doubts.push_back({"camera '" + camera.name + "' is not in the rig: its images are counted only",
-                      camera.source, "add it to rig.toml, see infused(8)"});
-  }
-  for (const LidarOptions& lidar : config.lidars) {
-    if (config.rig.empty() || rig.find_lidar(lidar.name) != nullptr) continue;
-    doubts.push_back({"lidar '" + lidar.name + "' is not in the rig: taken as the vehicle's origin",
-                      lidar.source, "add it to rig.toml, see infused(8)"});
-  }
-  for (const BusOptions& bus : config.buses) {
-    if (!bus.signals.empty()) continue;
-    doubts.push_back({"can '" + bus.name + "' has no signals: its frames are counted only",
-                      bus.source, "name them in [can.signals]"});
-  }
-  if (auto doubt = find_broker_doubt(config.mqtt)) doubts.push_back(*std::move(doubt));
-  if (auto doubt = find_lcm_doubt(config.lcm)) doubts.push_back(*std::move(doubt));
-  const StreetMapSettings& map = config.streetmap;
-  const bool has_gnss = !config.gnss.device.empty() || !config.gnss.lidar.empty();
-  if (!map.map.empty() && !map.initial_pose && !map.initial_location && !has_gnss &&
-      !map.tracker.global_start.enabled) {
-    doubts.push_back(
-        {"the initial pose on the street map is not known", "[streetmap]",
-         "give x, y and yaw_deg, or lat, lon and heading_deg, or [gnss], or global_start"});
-  }
-  return doubts;
-}
-
 }  // namespace
 
 Result<SensorSetup> set_up_live(const Config& config) {
+  if (auto possible = check_services(config); !possible) return tl::unexpected(possible.error());
+  if (auto possible = check_sensors(config); !possible) return tl::unexpected(possible.error());
   const auto rig = read_configured_rig(config);
   if (!rig) return tl::unexpected(rig.error());
   SensorSetup setup;
   setup.live = true;
-  if (auto usable = check_record_folder(config); !usable) return tl::unexpected(usable.error());
   auto ports = set_up_ports(config.lidars);
   if (!ports) return tl::unexpected(ports.error());
   setup.ports = *std::move(ports);

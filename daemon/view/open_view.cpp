@@ -13,7 +13,8 @@ Result<View> open_view(const ViewSettings& settings, const Rig& rig,
   auto server = ViewServer::start(settings, rig, map, *view.tap, std::move(control), channels);
   if (!server) return tl::unexpected(server.error());
   view.server = *std::move(server);
-  spdlog::info("view: {}", view.server->address());
+  spdlog::info("view: {}{}", view.server->address(),
+               settings.token.empty() ? "" : ", with the token of [view]");
   return view;
 }
 

@@ -17,7 +17,7 @@ constexpr std::chrono::seconds kHandshake{10}, kIdle{30};
 
 }  // namespace
 
-ViewClient::ViewClient(beast::tcp_stream&& stream, Handlers handlers)
+ViewClient::ViewClient(ViewStream&& stream, Handlers handlers)
     : socket_(std::move(stream)), handlers_(std::move(handlers)) {
   beast::get_lowest_layer(socket_).expires_never();
   socket_.set_option(websocket::stream_base::timeout{kHandshake, kIdle, true});
@@ -78,7 +78,7 @@ void ViewClient::read() {
 
 void ViewClient::close() {
   beast::error_code ignored;
-  beast::get_lowest_layer(socket_).socket().shutdown(boost::asio::ip::tcp::socket::shutdown_both,
+  beast::get_lowest_layer(socket_).socket().shutdown(boost::asio::socket_base::shutdown_both,
                                                      ignored);
 }
 

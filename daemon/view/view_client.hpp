@@ -1,7 +1,6 @@
 #pragma once
 
 #include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/message.hpp>
 #include <boost/beast/websocket/stream.hpp>
@@ -9,6 +8,8 @@
 #include <functional>
 #include <memory>
 #include <string>
+
+#include "daemon/view/view_stream.hpp"
 
 namespace infuse::daemon {
 
@@ -32,7 +33,7 @@ class ViewClient : public std::enable_shared_from_this<ViewClient> {
     std::function<void(const std::shared_ptr<ViewClient>&)> on_end;
   };
 
-  ViewClient(boost::beast::tcp_stream&& stream, Handlers handlers);
+  ViewClient(ViewStream&& stream, Handlers handlers);
 
   /// Answers the request for a WebSocket.
   void accept(Request request);
@@ -52,7 +53,7 @@ class ViewClient : public std::enable_shared_from_this<ViewClient> {
   void write();
   void end();
 
-  boost::beast::websocket::stream<boost::beast::tcp_stream, false> socket_;  // no compression
+  boost::beast::websocket::stream<ViewStream, false> socket_;  // no compression
   Handlers handlers_;
   Request request_;
   boost::beast::flat_buffer buffer_;

@@ -2,26 +2,29 @@
 
 #include <pthread.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/http/write.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
+#include <list>
 #include <map>
 #include <set>
 #include <thread>
 
 #include "daemon/process/crash_note.hpp"
 #include "daemon/protocol/json.hpp"
+#include "daemon/server/listening.hpp"
 #include "daemon/view/access.hpp"
 #include "daemon/view/view_client.hpp"
 #include "daemon/view/view_files.hpp"
@@ -112,15 +115,34 @@ class ViewServer::Impl {
   ~Impl() {
     asio::post(io_, [this] {
       acceptor_.close();
+      local_.close();
       for (const auto& client : clients_) client->close();
       for (const auto& viewer : viewers_) viewer->close();
       io_.stop();
     });
     if (thread_.joinable()) thread_.join();
     tap_.set_wanted(false);
+    if (!settings_.path.empty()) ::unlink(settings_.path.c_str());
   }
 
   Result<void> listen() {
+    if (settings_.port != 0 || settings_.path.empty()) {
+      if (auto listening = listen_tcp(); !listening) return listening;
+      accept(acceptor_);
+    }
+    if (!settings_.path.empty()) {
+      if (auto listening = listen_local(io_, local_, settings_.path); !listening) return listening;
+      accept(local_);
+    }
+    thread_ = std::thread([this] {
+      pthread_setname_np(pthread_self(), "view");
+      use_crash_stack();
+      io_.run();
+    });
+    return {};
+  }
+
+  Result<void> listen_tcp() {
     beast::error_code error;
     const tcp::endpoint endpoint(asio::ip::make_address(settings_.bind), settings_.port);
     acceptor_.open(endpoint.protocol(), error);
@@ -132,12 +154,6 @@ class ViewServer::Impl {
                   settings_.bind + ":" + std::to_string(settings_.port), "another port in [view]");
     }
     port_ = acceptor_.local_endpoint().port();
-    accept();
-    thread_ = std::thread([this] {
-      pthread_setname_np(pthread_self(), "view");
-      use_crash_stack();
-      io_.run();
-    });
     return {};
   }
 
@@ -165,32 +181,50 @@ class ViewServer::Impl {
  private:
   /// A connection before it is a page: one request.
   struct Connection : std::enable_shared_from_this<Connection> {
-    explicit Connection(tcp::socket socket) : stream(std::move(socket)) {
+    explicit Connection(ViewStream::socket_type socket) : stream(std::move(socket)) {
       parser.header_limit(kMaxHeaderBytes);
       parser.body_limit(0);
     }
-    beast::tcp_stream stream;
+    ViewStream stream;
     beast::flat_buffer buffer{kMaxHeaderBytes};
     http::request_parser<http::empty_body> parser;
     Response response;
   };
 
-  void accept() {
-    acceptor_.async_accept([this](beast::error_code error, tcp::socket socket) {
-      if (!acceptor_.is_open()) return;
-      if (!error && connections_ + clients_.size() + viewers_.size() < kMaxConnections) {
-        serve(std::make_shared<Connection>(std::move(socket)));
-      }
-      accept();
+  template <class Acceptor>
+  void accept(Acceptor& acceptor) {
+    acceptor.async_accept([this, &acceptor](beast::error_code error, auto socket) {
+      if (!acceptor.is_open()) return;
+      if (!error) serve(std::make_shared<Connection>(std::move(socket)));
+      accept(acceptor);
     });
   }
 
+  /// Who connects and asks nothing gives way to who comes later.
+  void make_room() {
+    if (connections_ + clients_.size() + viewers_.size() < kMaxConnections) return;
+    while (!silent_.empty()) {
+      const auto oldest = silent_.front().lock();
+      silent_.pop_front();
+      if (!oldest) continue;
+      beast::error_code ignored;
+      oldest->stream.socket().close(ignored);
+      return;
+    }
+  }
+
   void serve(const std::shared_ptr<Connection>& connection) {
+    std::erase_if(silent_, [](const auto& one) { return one.expired(); });
+    make_room();
     ++connections_;
+    silent_.push_back(connection);
     connection->stream.expires_after(kRequestTime);
     http::async_read(connection->stream, connection->buffer, connection->parser,
                      [this, connection](beast::error_code error, size_t) {
                        --connections_;
+                       std::erase_if(silent_, [&](const auto& one) {
+                         return one.expired() || one.lock() == connection;
+                       });
                        if (!error) handle(connection);
                      });
   }
@@ -240,12 +274,12 @@ class ViewServer::Impl {
     }
     connection->stream.expires_after(kRequestTime);
     ++connections_;
-    http::async_write(connection->stream, connection->response,
-                      [this, connection](beast::error_code, size_t) {
-                        --connections_;
-                        beast::error_code ignored;
-                        connection->stream.socket().shutdown(tcp::socket::shutdown_send, ignored);
-                      });
+    http::async_write(
+        connection->stream, connection->response, [this, connection](beast::error_code, size_t) {
+          --connections_;
+          beast::error_code ignored;
+          connection->stream.socket().shutdown(asio::socket_base::shutdown_send, ignored);
+        });
   }
 
   void open_page(const std::shared_ptr<Connection>& connection) {
@@ -368,10 +402,12 @@ class ViewServer::Impl {
       std::to_string(std::chrono::system_clock::now().time_since_epoch().count());
   asio::io_context io_{1};
   tcp::acceptor acceptor_{io_};
+  asio::local::stream_protocol::acceptor local_{io_};
   asio::steady_timer timer_{io_};
   uint16_t port_ = 0;
   std::atomic<size_t> client_count_ = 0, pending_ = 0;
   size_t connections_ = 0;
+  std::list<std::weak_ptr<Connection>> silent_;  // have not asked yet, the oldest first
   std::set<std::shared_ptr<ViewClient>> clients_;
   std::set<std::shared_ptr<ViewerClient>> viewers_;
   std::atomic<size_t> viewer_bytes_ = 0;  // posted to this thread
@@ -403,9 +439,16 @@ uint16_t ViewServer::port() const { return impl_->port(); }
 
 std::string ViewServer::address() const {
   const ViewSettings& settings = impl_->settings();
+  if (settings.port == 0 && !settings.path.empty()) return settings.path;
   const bool v6 = settings.bind.find(':') != std::string::npos;
+  const std::string socket = settings.path.empty() ? "" : " and " + settings.path;
   return "http://" + (v6 ? "[" + settings.bind + "]" : settings.bind) + ":" +
-         std::to_string(port()) + "/" + (settings.token.empty() ? "" : "?token=" + settings.token);
+         std::to_string(port()) + "/" + socket;
+}
+
+std::string ViewServer::page_address() const {
+  const std::string& token = impl_->settings().token;
+  return address() + (token.empty() ? "" : "?token=" + token);
 }
 
 void ViewServer::publish(ReportClass report_class, const std::string& device,

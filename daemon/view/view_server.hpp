@@ -37,8 +37,11 @@ class ViewServer {
   /// Port that was bound.
   uint16_t port() const;
 
-  /// Address of the page, for people.
+  /// Address of the page, without its token: it may be logged.
   std::string address() const;
+
+  /// Address of the page with its token, for who may open it.
+  std::string page_address() const;
 
   /// Publishes a report, a line of JSON; from any thread.
   void publish(ReportClass report_class, const std::string& device, const std::string& line);

@@ -20,8 +20,7 @@ constexpr std::chrono::seconds kViewerHandshake{10}, kViewerIdle{30};
 
 }  // namespace
 
-ViewerClient::ViewerClient(beast::tcp_stream&& stream, ViewerChannels& channels,
-                           std::string session,
+ViewerClient::ViewerClient(ViewStream&& stream, ViewerChannels& channels, std::string session,
                            std::function<void(const std::shared_ptr<ViewerClient>&)> on_end)
     : socket_(std::move(stream)),
       channels_(channels),
@@ -142,7 +141,7 @@ void ViewerClient::write() {
 
 void ViewerClient::close() {
   beast::error_code ignored;
-  beast::get_lowest_layer(socket_).socket().shutdown(boost::asio::ip::tcp::socket::shutdown_both,
+  beast::get_lowest_layer(socket_).socket().shutdown(boost::asio::socket_base::shutdown_both,
                                                      ignored);
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/message.hpp>
 #include <boost/beast/websocket/stream.hpp>
@@ -12,6 +11,7 @@
 #include <string>
 
 #include "daemon/view/foxglove_protocol.hpp"
+#include "daemon/view/view_stream.hpp"
 #include "daemon/view/viewer_channels.hpp"
 
 namespace infuse::daemon {
@@ -23,7 +23,7 @@ class ViewerClient : public std::enable_shared_from_this<ViewerClient> {
   using Request = boost::beast::http::request<boost::beast::http::empty_body>;
 
   /// `channels` outlives this. `on_end` is called once. `session`: of this run.
-  ViewerClient(boost::beast::tcp_stream&& stream, ViewerChannels& channels, std::string session,
+  ViewerClient(ViewStream&& stream, ViewerChannels& channels, std::string session,
                std::function<void(const std::shared_ptr<ViewerClient>&)> on_end);
 
   /// Answers the request for a WebSocket of this subprotocol.
@@ -49,7 +49,7 @@ class ViewerClient : public std::enable_shared_from_this<ViewerClient> {
   void write();
   void end();
 
-  boost::beast::websocket::stream<boost::beast::tcp_stream, false> socket_;  // no compression
+  boost::beast::websocket::stream<ViewStream, false> socket_;  // no compression
   ViewerChannels& channels_;
   const std::string session_;
   std::function<void(const std::shared_ptr<ViewerClient>&)> on_end_;

@@ -72,6 +72,15 @@ check "security: at most 1.9" systemd-analyze security --threshold=19 --no-pager
 check "a reload keeps the process" sh -c 'p=$(systemctl show -P MainPID infused); systemctl reload infused && sleep 1 && test "$p" = "$(systemctl show -P MainPID infused)"'
 check "and the sensors" within 3 all_ok
 
+# --- a configuration that is tried ---
+{ echo 'version = "tried"'; cat /etc/infuse/infused.toml; } >/tmp/tried.toml
+check "a configuration that is ready in time stays" infuse config apply /tmp/tried.toml --wait $((20 * timeout_factor))
+check "its version is reported" sh -c 'infuse status | grep -q "^configuration .* tried"'
+echo "1 1" >/etc/infuse/infused.toml.trying  # as a machine leaves it that was switched off meanwhile
+systemctl restart infused.service
+check "what was not confirmed goes back at the next start" sh -c '! grep -q tried /etc/infuse/infused.toml'
+check "and all are OK" within 20 all_ok
+
 # Failures that the same process must survive.
 if [[ ${1-} == faults ]]; then . /proof/faults.sh; fi
 
@@ -90,6 +99,14 @@ mount -t tmpfs -o size=16k,uid=infuse,gid=infuse,mode=750 none /var/lib/infuse
 systemctl restart infused.service
 head -c 16k /dev/zero >/var/lib/infuse/fill 2>/dev/null
 check "disk full: it is logged, and the daemon continues" within 25 sh -c 'journalctl -u infused -o cat | grep -q "No space left" && systemctl is-active infused'
+check "infuse status says so" within 5 sh -c 'infuse status | grep -q "WARN  state on disk"'
+printf '[mqtt]\nhost = "127.0.0.1"\nvehicle = "car"\n' >/etc/infuse/infused.toml.d/broker.toml
+systemctl restart infused.service
+check "and it starts on the full disk, with [mqtt]" within 8 all_ok
+mount -o remount,ro /var/lib/infuse
+systemctl restart infused.service
+check "and on a read-only one" within 8 all_ok
+rm /etc/infuse/infused.toml.d/broker.toml
 systemctl stop infused.service; umount /var/lib/infuse; systemctl start infused.service
 within 10 back
 . /proof/others.sh
@@ -122,6 +139,19 @@ check "its reason is in the journal" sh -c 'journalctl -u infused -o cat | grep 
 rm /etc/infuse/infused.toml.d/wrong.toml
 check "mended, it starts by itself" within 8 systemctl is-active infused.service
 systemctl stop infused.service
+
+if [[ ${1-} == faults ]]; then
+# --- recordings of alerts leave the vehicle; what support asks for ---
+install -d -o infuse -g infuse -m 750 /var/lib/infuse/spool
+printf '#!/bin/sh\nls "$1" >/tmp/taken\n' >/etc/infuse/upload; chmod +x /etc/infuse/upload
+sed 's|PrivateTmp=yes||; s|ProtectSystem=strict||' /lib/systemd/system/infuse-upload.service >/run/systemd/system/infuse-upload.service
+systemctl daemon-reload
+systemctl start infuse-upload.path
+mkdir -p /var/lib/infuse/drives/alert-x; echo /var/lib/infuse/drives/alert-x >/var/lib/infuse/spool/alert-x
+check "a recording of an alert is given to the hook" within 10 sh -c 'test -e /tmp/taken && ! test -e /var/lib/infuse/spool/alert-x'
+systemctl stop infuse-upload.path
+check "support gets an archive" sh -c 'infuse diagnose -o /tmp/car.tar.zst && test -s /tmp/car.tar.zst'
+fi
 
 # --- package ---
 check "a client starts the daemon through the socket" within 5 sh -c 'infuse status --json | grep -q DEVICES && systemctl is-active infused'

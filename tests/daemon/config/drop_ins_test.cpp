@@ -57,5 +57,16 @@ TEST(Config, AnErrorNamesItsDropIn) {
   EXPECT_THAT(config.error().where, HasSubstr("x.toml:3"));
 }
 
+TEST(Config, AFolderOfDropInsThatCannotBeListedIsAnError) {
+  const ConfigFolder folder;
+  folder.write("infused.toml", "");
+  std::filesystem::remove(folder.folder / "infused.toml.d");
+  EXPECT_TRUE(load_config(folder.file));
+  folder.write("infused.toml.d", "not a folder");
+  const auto config = load_config(folder.file);
+  ASSERT_FALSE(config);
+  EXPECT_THAT(config.error().message(), HasSubstr("infused.toml.d: cannot be listed"));
+}
+
 }  // namespace
 }  // namespace infuse::daemon

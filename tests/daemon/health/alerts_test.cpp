@@ -14,6 +14,7 @@
 
 #include "daemon/health/alert_checks.hpp"
 #include "daemon/health/calibration_health.hpp"
+#include "daemon/health/host_alerts.hpp"
 #include "daemon/health/lidar_alerts.hpp"
 #include "daemon/health/map_health.hpp"
 #include "daemon/health/odometry_health.hpp"
@@ -49,6 +50,7 @@ std::vector<AlertGroup> all_alerts() {
           {"Street map", "streetmap", descriptions_of(streetmap_alerts())},
           {"Map of keyframes", "map", descriptions_of(map_alerts())},
           {"Configured sensors", "infused", descriptions_of(rig_alerts())},
+          {"The host", "infused", descriptions_of(host_alerts())},
           {"The service", "infused", {kServiceAlerts.begin(), kServiceAlerts.end()}}};
 }
 

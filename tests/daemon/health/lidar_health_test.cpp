@@ -67,6 +67,19 @@ TEST_F(LidarHealthTest, SilenceIsStaleAfterThreeSeconds) {
   EXPECT_FALSE(back.transitions[0].raised);
 }
 
+TEST_F(LidarHealthTest, MoreSweepsThanALidarCanTurnAreAnError) {
+  settle();
+  for (int i = 0; i < 12; ++i) {
+    deliver(9000, 487);  // a burst of packets with changed azimuths
+    tick();
+  }
+  deliver();
+  const LidarStatus& status = tick();
+  ASSERT_EQ(status.level, Level::kError);
+  EXPECT_STREQ(status.findings[0].id, "too_fast");
+  EXPECT_THAT(status.findings[0].what, HasSubstr("no lidar turns so fast"));
+}
+
 TEST_F(LidarHealthTest, TwoSendersAreBothNamed) {
   settle();
   counters_.sender = 0x0A00'0007;

@@ -32,5 +32,17 @@ TEST(StreamHealth, PlainSilenceNamesPowerAndConnection) {
   EXPECT_THAT(status.findings[0].advice, HasSubstr("power"));
 }
 
+TEST(StreamHealth, MoreThanSuchASensorSendsIsAnError) {
+  StreamHealth health("/dev/ttyUSB0", HealthOptions(), at(0), 250);
+  StreamCounters counters;
+  Level level = Level::kOk;
+  for (int second = 1; second <= 6; ++second) {
+    counters.received += 24'640;
+    counters.last = at(second);
+    level = health.update(at(second), counters).level;
+  }
+  EXPECT_EQ(level, Level::kError);
+}
+
 }  // namespace
 }  // namespace infuse::daemon

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cerrno>
+
 #include "tests/daemon/pipeline/run_replay.hpp"
+#include "tests/faults/disk_fault.hpp"
 #include "tests/stamp_at.hpp"
 
 namespace infuse::daemon {
@@ -76,6 +79,18 @@ TEST_F(HistoryWriterTest, ACalibrationIsWrittenWhenItChanges) {
   ASSERT_EQ(calibrations.size(), 2U);
   EXPECT_EQ(calibrations[1]["T_camera_lidar"][3], 0.05);
   EXPECT_EQ(calibrations[1]["stamp"], at(600).ns());
+}
+
+TEST_F(HistoryWriterTest, NothingIsLostWhileTheDiskFails) {
+  {
+    const DiskFault fault(folder_ / "", EIO);
+    history_.add(alert(at(0)));
+    EXPECT_NE(history_.problem(), "");
+    EXPECT_EQ(entries("ALERT").size(), 0U);
+  }
+  history_.add(HealthReport{.stamp = at(1)});
+  EXPECT_EQ(history_.problem(), "");
+  EXPECT_EQ(entries("ALERT").size(), 1U);
 }
 
 TEST(HistoryWriter, WithoutAFolderNothingIsWritten) {

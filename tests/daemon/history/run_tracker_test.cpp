@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <csignal>
 
+#include "tests/faults/disk_fault.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace infuse::daemon {
@@ -97,18 +99,31 @@ TEST_F(RunTrackerTest, AnAbortByAnotherProcessLeavesAMarker) {
   EXPECT_TRUE(exists(folder_ / "abort_marker"));
 }
 
-TEST_F(RunTrackerTest, AnUnwritableStateRaisesAnAlertThatIsClearedLater) {
+TEST_F(RunTrackerTest, SaysWhyTheStateCannotBeWrittenUntilItCan) {
   RunTracker tracker(file_);
   tracker.begin_run(at_s(0));
-  std::filesystem::remove_all(folder_.path());
-  const auto raised = tracker.save_if_due(at_s(11));
-  ASSERT_TRUE(raised.has_value());
-  EXPECT_TRUE(raised->raised);
-  EXPECT_FALSE(tracker.save_if_due(at_s(22)).has_value());  // reported already
-  std::filesystem::create_directories(folder_.path());
-  const auto cleared = tracker.save_if_due(at_s(33));
-  ASSERT_TRUE(cleared.has_value());
-  EXPECT_FALSE(cleared->raised);
+  EXPECT_EQ(tracker.problem(), "");
+  {
+    const DiskFault fault(folder_.path(), EROFS);
+    tracker.save_if_due(at_s(11));
+    EXPECT_NE(tracker.problem().find("Read-only file system"), std::string::npos)
+        << tracker.problem();
+  }
+  tracker.save_if_due(at_s(22));
+  EXPECT_EQ(tracker.problem(), "");
+}
+
+TEST_F(RunTrackerTest, ACleanEndOnAFullDiskIsKnown) {
+  RunTracker first(file_);
+  first.begin_run(at_s(0));
+  {
+    const DiskFault fault(folder_.path(), ENOSPC);
+    first.end_run(at_s(12));
+    EXPECT_NE(first.problem(), "");
+  }
+  RunTracker second(file_);
+  EXPECT_FALSE(second.begin_run(at_s(13)).has_value());
+  EXPECT_EQ(second.state().starts, 2U);
 }
 
 }  // namespace

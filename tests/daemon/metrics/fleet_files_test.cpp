@@ -54,6 +54,8 @@ Names exported() {
   describe(visitor, TaskHealth<MapStatus>());
   describe(visitor, StageStats());
   describe(visitor, QueueStats());
+  describe(visitor, StoreStatus());
+  describe(visitor, SystemClock());
   describe(visitor, HostStats());
   describe(visitor, HealthReport());
   HealthReport health;

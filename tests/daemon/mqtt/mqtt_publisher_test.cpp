@@ -216,15 +216,10 @@ TEST_F(MqttPublisherTest, ARefusalIsNamed) {
   EXPECT_NE(why.find("ot authori"), std::string::npos) << why;
 }
 
-TEST(MqttPublisher, FilesThatCannotBeReadAreNamed) {
-  const ScratchFolder folder;
-  MqttSettings settings{.host = "127.0.0.1", .vehicle = "car7", .ca_file = "/nonexistent/ca.pem"};
-  auto started = MqttPublisher::start(settings, "", "0.1.0");
-  ASSERT_FALSE(started);
-  EXPECT_NE(started.error().message().find("/nonexistent/ca.pem"), std::string::npos);
-  settings.ca_file.clear();
-  settings.password_file = "/nonexistent/password";
-  started = MqttPublisher::start(settings, "", "0.1.0");
+TEST(MqttPublisher, APasswordThatCannotBeReadIsNamed) {
+  const MqttSettings settings{
+      .host = "127.0.0.1", .vehicle = "car7", .password_file = "/nonexistent/password"};
+  const auto started = MqttPublisher::start(settings, "", "0.1.0");
   ASSERT_FALSE(started);
   EXPECT_NE(started.error().message().find("/nonexistent/password"), std::string::npos);
 }
@@ -255,9 +250,7 @@ TEST(MqttPublisher, ABrokerThatDoesNotAnswerHoldsNothingUp) {
   }
   for (const int one : filling) ::close(one);
   ::close(silent);
-  const auto queue = ReportQueue::open(folder / "mqtt.db", 1 << 20);
-  ASSERT_TRUE(queue) << queue.error().message();
-  EXPECT_EQ(queue->messages(), 100u);
+  EXPECT_EQ(ReportQueue(folder / "mqtt.db", 1 << 20).messages(), 100u);
 }
 
 TEST(MqttPublisher, WithoutABrokerNobodyWaits) {

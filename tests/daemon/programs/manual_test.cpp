@@ -21,6 +21,8 @@ const std::vector<std::string> kCommands = {
     "watch",
     "wait-ready",
     "record",
+    "config",
+    "diagnose",
     "calibration",
     "recalibrate",
     "apply",

@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -156,14 +159,20 @@ TEST_F(RecordingControllerTest, TheEndOfARecordingIsReportedBeforeTheNextBegins)
 TEST_F(RecordingControllerTest, AnAlertIsRecordedWithTheDataBeforeIt) {
   config_.record.flight_recorder = from_seconds(60);
   config_.record.after_alert = from_seconds(1);
+  ::setenv("STATE_DIRECTORY", (folder_ / "").c_str(), 1);
+  std::filesystem::create_directory(folder_ / "spool");
   // The lidar goes silent after the capture, which raises an alert.
   run([](RecordingController&) {},
       [begun = false, ticks = 0](RecordingController& controller) mutable {
         begun = begun || controller.is_recording();
         return begun && !controller.is_recording() && ++ticks > 1;
       });
+  ::unsetenv("STATE_DIRECTORY");
   const json record = last_record();
   ASSERT_EQ(record["state"], "ended");
+  std::string spooled;
+  std::getline(std::ifstream(folder_ / "spool" / record["name"].get<std::string>()), spooled);
+  EXPECT_EQ(spooled, record["folder"]);
   EXPECT_EQ(record["cause"].get<std::string>().substr(0, 6), "lidar.");
   EXPECT_GT(record["datagrams"], 700);
   const auto again = replay(record["folder"].get<std::string>());

@@ -159,11 +159,75 @@ TEST_F(LiveSetupTest, NamesWhatIsValidButHardlyMeant) {
               HasSubstr("camera 'frnt' is not in the rig"));
   EXPECT_THAT(doubts("rig = \"rig.toml\"\n[[lidar]]\nname = \"b\"\nmodel = \"VLP-16\"\n"),
               HasSubstr("lidar 'b' is not in the rig"));
+  EXPECT_THAT(doubts("[health]\nexpected_sensors = [\"rear\"]\n"),
+              HasSubstr("x.toml:1: expected_sensors names 'rear'"));
   EXPECT_THAT(doubts("[[can]]\n"), HasSubstr("has no signals"));
   EXPECT_EQ(doubts("[streetmap]\nmap = \"town.map\"\n"), "");  // all streets are searched
   EXPECT_THAT(doubts("[streetmap]\nmap = \"town.map\"\nglobal_start = false\n"),
               HasSubstr("initial pose on the street map"));
   EXPECT_EQ(doubts("[gnss]\ndevice = \"/dev/ttyUSB0\"\n[streetmap]\nmap = \"town.map\"\n"), "");
+}
+
+/// A lidar of the rig, and its camera.
+constexpr const char* kMounted =
+    "rig = \"rig.toml\"\n[[lidar]]\nname = \"top\"\nmodel = \"VLP-16\"\n"
+    "[[camera]]\nname = \"front\"\n";
+
+TEST_F(LiveSetupTest, RefusesARigThatNoVehicleHas) {
+  const std::tuple<const char*, const char*, const char*> cases[] = {
+      {"fx = 500", "fx = 1e9", "rig.toml:5: fx = 1e+09 pixels lets the camera see"},
+      {"fx = 500", "fx = 5000", "fx is 10 times fy"},
+      {"cx = 320", "cx = 3200", "lies outside the image"},
+      {"cy = 240", "cy = 240\ndistortion = [-0.9, 0, 0, 0, 0]", "folds the image"},
+      {"0,0,1,1.8", "0,0,1,1800", "rig.toml:2: T_vehicle_lidar moves by 1800 m"},
+      {"[0,-1,0,0, 0,0,-1,0, 1,0,0,0, 0,0,0,1]", "[1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]",
+       "the identity"},
+      {"name = \"front\"", "name = \"fr\\nont\"", "no control characters"}};
+  for (const auto& [from, to, expected] : cases) {
+    std::string rig = kRig;
+    rig.replace(rig.find(from), std::string(from).size(), to);
+    std::ofstream(folder_ / "rig.toml") << rig;
+    const auto setup = set_up(kMounted);
+    ASSERT_FALSE(setup.has_value()) << to;
+    EXPECT_THAT(setup.error().message(), HasSubstr(expected));
+  }
+}
+
+TEST_F(LiveSetupTest, AcceptsDistortionsOfRealCameras) {
+  // KITTI's camera 2 of 2011-09-26, unrectified; a fisheye lens of 185° (Kannala-Brandt).
+  for (const char* numbers :
+       {"width = 1392\nheight = 512\nfx = 959.8\nfy = 952.9\ncx = 696\ncy = 224.2\n"
+        "distortion = [-0.3691481, 0.1968681, 0.001353473, 0.0005677587, -0.06770705]",
+        "model = \"fisheye\"\nwidth = 1280\nheight = 800\nfx = 330\nfy = 330\ncx = 640\n"
+        "cy = 400\ndistortion = [0.05, -0.01, 0.003, -0.001]"}) {
+    std::string rig = kRig;
+    const size_t begin = rig.find("width"), end = rig.find("stamp_delay_ms");
+    rig.replace(begin, end - begin, std::string(numbers) + "\n");
+    std::ofstream(folder_ / "rig.toml") << rig;
+    const auto setup = set_up(kMounted);
+    EXPECT_TRUE(setup.has_value()) << setup.error().message();
+  }
+}
+
+TEST_F(LiveSetupTest, RefusesWhatTheDaemonCannotOpen) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"[metrics]\nport = 9469\n[view]\nport = 9469\n",
+       "x.toml:3: [metrics] port and [view] port are both 9469"},
+      {"[socket]\ntcp_port = 9469\n[metrics]\nport = 9469\n", "are both 9469"},
+      {"[socket]\npath = \"/etc/passwd/s\"\n", "x.toml:1: a socket cannot be created"},
+      {"[mqtt]\nhost = \"10.0.0.1\"\nvehicle = \"a\"\nca_file = \"none.pem\"\n", "ca_file"},
+      {"[mqtt]\nhost = \"10.0.0.1\"\nvehicle = \"a\"\nca_file = \"/dev/zero\"\n",
+       "is not a regular file"},
+      {"[[camera]]\nname = \"a\"\ndevice = \"/dev/video0\"\n"
+       "[[camera]]\nname = \"b\"\ndevice = \"/dev/video0\"\n",
+       "x.toml:4: cameras 'a' and 'b' are both /dev/video0"},
+      {"[[can]]\nname = \"a\"\n[[can]]\nname = \"b\"\n", "are both can0"},
+      {"[odometry]\nuse_lidar = true\n", "x.toml:1: use_lidar needs a lidar"}};
+  for (const auto& [text, expected] : cases) {
+    const auto setup = set_up(text);
+    ASSERT_FALSE(setup.has_value()) << text;
+    EXPECT_THAT(setup.error().message(), HasSubstr(expected));
+  }
 }
 
 TEST_F(LiveSetupTest, ReportsInvalidConfigurations) {

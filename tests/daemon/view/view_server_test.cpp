@@ -6,16 +6,19 @@
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/beast/core/buffers_to_string.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/websocket/stream.hpp>
 #include <cstring>
+#include <filesystem>
 #include <thread>
 
 #include "daemon/protocol/json.hpp"
 #include "daemon/view/view_frames.hpp"
+#include "tests/scratch_folder.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -222,6 +225,39 @@ class ViewServerTest : public testing::Test {
   ViewTap tap_{1};
   asio::io_context io_;
 };
+
+TEST_F(ViewServerTest, WhoConnectsAndAsksNothingGivesWay) {
+  const auto server = start();
+  std::vector<tcp::socket> silent;
+  for (int k = 0; k < 64; ++k) silent.push_back(connect(*server));
+  const std::string page = ask(*server, "GET / HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  EXPECT_EQ(page.rfind("HTTP/1.1 200", 0), 0u) << page.substr(0, 200);
+}
+
+TEST_F(ViewServerTest, ServesAUnixSocketForItsGroup) {
+  const ScratchFolder folder;
+  settings_.path = folder / "view.sock";
+  {
+    const auto server = start();
+    EXPECT_EQ(server->address(), settings_.path);
+    EXPECT_EQ(std::filesystem::status(settings_.path).permissions(), std::filesystem::perms(0660));
+    asio::local::stream_protocol::socket socket(io_);
+    socket.connect(settings_.path);
+    asio::write(socket, asio::buffer(std::string("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n")));
+    std::string response;
+    beast::error_code ignored;
+    asio::read(socket, asio::dynamic_buffer(response), ignored);
+    EXPECT_EQ(response.rfind("HTTP/1.1 200", 0), 0u) << response.substr(0, 200);
+  }
+  EXPECT_FALSE(std::filesystem::exists(settings_.path));
+}
+
+TEST_F(ViewServerTest, TheAddressForTheLogHasNoToken) {
+  settings_.token = "abcdefghijklmnop";
+  const auto server = start();
+  EXPECT_EQ(server->address().find(settings_.token), std::string::npos);
+  EXPECT_NE(server->page_address().find(settings_.token), std::string::npos);
+}
 
 TEST_F(ViewServerTest, ServesThePageWithAStrictPolicy) {
   const auto server = start();

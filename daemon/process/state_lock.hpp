@@ -1,0 +1,14 @@
+#pragma once
+
+#include <filesystem>
+
+#include "drivers/host/file_descriptor.hpp"
+#include "drivers/measurement/error.hpp"
+
+namespace infuse::daemon {
+
+/// Takes a state directory for this process, until the result is gone: two daemons that share one
+/// would destroy each other's files. Works on a read-only disk. Errors: another process has it.
+Result<receive::FileDescriptor> lock_state(const std::filesystem::path& folder);
+
+}  // namespace infuse::daemon
