@@ -34,12 +34,13 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", version());
   app.require_subcommand(1);
   const std::vector<Command> commands = {
-      declare_status(app),   declare_watch(app),       declare_wait_ready(app),
-      declare_inspect(app),  declare_decode(app),      declare_streetmap(app),
-      declare_evaluate(app), declare_calibration(app), declare_recalibrate(app),
-      declare_apply(app),    declare_rollback(app),    declare_freeze(app),
-      declare_record(app),   declare_odometry(app),    declare_history(app),
-      declare_report(app),   declare_config(app),      declare_diagnose(app)};
+      declare_status(app),      declare_watch(app),       declare_wait_ready(app),
+      declare_inspect(app),     declare_decode(app),      declare_streetmap(app),
+      declare_evaluate(app),    declare_calibration(app), declare_calibrations(app),
+      declare_recalibrate(app), declare_apply(app),       declare_rollback(app),
+      declare_freeze(app),      declare_record(app),      declare_odometry(app),
+      declare_history(app),     declare_report(app),      declare_config(app),
+      declare_diagnose(app)};
   if (const auto code = start_tool(app, argc, argv)) return *code;
   if (argc < 2) {
     std::cout << app.help();

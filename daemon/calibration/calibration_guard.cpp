@@ -1,6 +1,24 @@
 #include "daemon/calibration/calibration_guard.hpp"
 
+#include <mutex>
+
 namespace infuse::daemon {
+namespace {
+
+std::optional<CalibrationEstimate> estimate_of(const std::optional<monitoring::Reestimate>& from) {
+  if (!from) return std::nullopt;
+  return CalibrationEstimate{from->T_camera_lidar, from->covariance, from->moved,
+                             from->scenes,         from->reason,     from->T_initial};
+}
+
+/// Held while a re-estimation runs: those of several cameras run one after the other, in the memory
+/// of one.
+std::mutex& turn() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+}  // namespace
 
 CalibrationGuard::CalibrationGuard(const CameraMount& mount, const CalibrationSettings& settings,
                                    bool blocking)
@@ -22,58 +40,85 @@ const CalibrationReport* CalibrationGuard::process(const CameraFrame& grey,
     last_result_ = result_;
     supervisor_.finish_reestimation(result_);
   }
-  const monitoring::MonitorReport monitor_report = monitor_.process(grey, sweep, motion);
-  evaluations_ += monitor_report.evaluated ? 1 : 0;
+  if (!background_.busy()) monitor_.scenes().end_lending();
+  observed_ = monitor_.process(grey, sweep, motion);
+  if (observed_.evaluated) {
+    ++evaluations_;
+    dependence_ = observed_.dependence;
+  }
   // No scenes for a new re-estimation while a cancelled one still runs.
   const size_t scenes = supervisor_.reestimating() || !background_.busy()
-                            ? monitor_.scenes().count_since(monitor_report.since)
+                            ? monitor_.scenes().count_since(supervisor_.scenes_since(observed_))
                             : 0;
-  const monitoring::SupervisorActions actions = supervisor_.process(monitor_report, scenes);
+  const monitoring::SupervisorActions actions = supervisor_.process(observed_, scenes);
+  perform(actions, now);
+  return actions.changed() ? report(now, true) : report_if_due(now);
+}
+
+void CalibrationGuard::perform(const monitoring::SupervisorActions& actions, Stamp now) {
   if (actions.cancel_reestimation) background_.cancel();
   if (actions.calibration_changed) monitor_.set_calibration(supervisor_.current());
   if (actions.alternative_changed) monitor_.set_alternative(supervisor_.alternative());
   if (actions.start_reestimation) start_reestimation(actions, now);
-  const bool changed = actions.state_changed || actions.calibration_changed;
-  if (!changed && reported_at_ && now - *reported_at_ < kReportInterval && now >= *reported_at_) {
-    return nullptr;
+}
+
+const CalibrationReport* CalibrationGuard::handle(const CalibrationCommand& command, Stamp now) {
+  monitoring::SupervisorActions actions;
+  switch (command.kind) {
+    case CalibrationCommand::Kind::kUse:
+      actions = supervisor_.use(command.calibration, now);
+      report_.decision = command.decision;
+      break;
+    case CalibrationCommand::Kind::kRecalibrate:
+      actions = supervisor_.request_recalibration(now);
+      break;
+    case CalibrationCommand::Kind::kFreeze:
+      actions = supervisor_.freeze(command.frozen, now);
+      break;
   }
+  perform(actions, now);
+  return report(now, actions.changed());
+}
+
+const CalibrationReport* CalibrationGuard::report_if_due(Stamp now) {
+  const bool due = !reported_at_ || now - *reported_at_ >= kReportInterval || now < *reported_at_;
+  return due ? report(now, false) : nullptr;
+}
+
+const CalibrationReport* CalibrationGuard::report_at_end(Stamp now) {
+  return reported_at_ && evaluations_ == report_.evaluations ? nullptr : report(now, false);
+}
+
+const CalibrationReport* CalibrationGuard::report(Stamp now, bool changed) {
   if (changed || !reported_at_) report_.since = now;
   reported_at_ = now;
-  fill_report(monitor_report);
+  fill_report(now);
   return &report_;
 }
 
 void CalibrationGuard::start_reestimation(const monitoring::SupervisorActions& actions, Stamp now) {
-  monitor_.scenes().copy(actions.scenes_since, scenes_);
+  scenes_ = monitor_.scenes().lend(actions.scenes_since);
   background_.start(now, from_seconds(settings_.supervisor.result_delay),
                     [this, present = supervisor_.current()](std::stop_token stop) {
+                      const std::lock_guard one_at_a_time(turn());
                       result_ = monitoring::reestimate(scenes_, intrinsics_, present,
                                                        settings_.reestimate, stop);
                     });
 }
 
-void CalibrationGuard::handle_request(const Request& request) {
-  if (request.op == Request::Op::kRecalibrate) supervisor_.request_recalibration();
-  if (request.op == Request::Op::kApply) supervisor_.request_apply();
-  if (request.op == Request::Op::kRollback) supervisor_.request_roll_back();
-  if (request.op == Request::Op::kFreeze) supervisor_.set_frozen(request.on);
-}
-
-void CalibrationGuard::fill_report(const monitoring::MonitorReport& monitor_report) {
-  report_.stamp = monitor_report.stamp;
+void CalibrationGuard::fill_report(Stamp now) {
+  report_.stamp = now;
   report_.state = supervisor_.state();
   report_.frozen = supervisor_.frozen();
-  report_.proposed = supervisor_.proposal().has_value();
-  report_.can_roll_back = supervisor_.can_roll_back();
+  report_.recalibration_requested = supervisor_.recalibration_requested();
   report_.T_camera_lidar = supervisor_.current();
   report_.evaluations = evaluations_;
   report_.scenes = monitor_.scenes().size();
-  report_.verdict = monitor_report.verdict;
-  if (monitor_report.evaluated) report_.dependence = monitor_report.dependence;
-  if (last_result_) {
-    report_.estimate = {last_result_->T_camera_lidar, last_result_->covariance, last_result_->moved,
-                        last_result_->scenes, last_result_->reason};
-  }
+  report_.needed_scenes = supervisor_.needed_scenes(now);
+  report_.verdict = observed_.verdict;
+  report_.dependence = dependence_;
+  report_.estimate = estimate_of(last_result_);
+  report_.proposal = estimate_of(supervisor_.proposal());
   report_.history.clear();
   for (const monitoring::HistoryEntry& entry : supervisor_.history()) {
     report_.history.push_back({entry.stamp, entry.state, entry.what, entry.T_camera_lidar});

@@ -3,9 +3,9 @@
 #include <vector>
 
 #include "daemon/calibration/background_worker.hpp"
+#include "daemon/calibration/calibration_command.hpp"
 #include "daemon/config/calibration_settings.hpp"
 #include "daemon/protocol/reports.hpp"
-#include "daemon/protocol/request.hpp"
 #include "drivers/measurement/rig.hpp"
 
 namespace infuse::daemon {
@@ -26,8 +26,15 @@ class CalibrationGuard {
   const CalibrationReport* process(const CameraFrame& grey, const monitoring::SweepView& sweep,
                                    const monitoring::Motion& motion);
 
-  /// Carries out a request of the owner with the next image.
-  void handle_request(const Request& request);
+  /// Carries out a command of the owner at once. Returns the report of it, valid until the next
+  /// call.
+  const CalibrationReport* handle(const CalibrationCommand& command, Stamp now);
+
+  /// Returns the report if none was made for `kReportInterval`, as without images; else null.
+  const CalibrationReport* report_if_due(Stamp now);
+
+  /// Returns the report at the end of a drive; null if nothing has changed since the last.
+  const CalibrationReport* report_at_end(Stamp now);
 
   /// Stops re-estimation, and starts none from now on; from any thread.
   void shut_down() { background_.shut_down(); }
@@ -41,16 +48,20 @@ class CalibrationGuard {
   }
 
  private:
+  void perform(const monitoring::SupervisorActions& actions, Stamp now);
   void start_reestimation(const monitoring::SupervisorActions& actions, Stamp now);
-  void fill_report(const monitoring::MonitorReport& monitor_report);
+  const CalibrationReport* report(Stamp now, bool changed);
+  void fill_report(Stamp now);
 
   CameraIntrinsics intrinsics_;
   CalibrationSettings settings_;
   monitoring::CalibrationMonitor monitor_;
   monitoring::CalibrationSupervisor supervisor_;
-  std::vector<monitoring::StoredScene> scenes_;  // used by the background work while it runs
-  monitoring::Reestimate result_;                // written by the background work
+  std::vector<const monitoring::StoredScene*> scenes_;  // lent to the background work
+  monitoring::Reestimate result_;                       // written by the background work
   std::optional<monitoring::Reestimate> last_result_;
+  monitoring::MonitorReport observed_;  // the last
+  double dependence_ = 0;               // of the last evaluation
   uint64_t evaluations_ = 0;
   std::optional<Stamp> reported_at_;
   CalibrationReport report_;

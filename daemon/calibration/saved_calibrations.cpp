@@ -1,151 +1,208 @@
 #include "daemon/calibration/saved_calibrations.hpp"
 
 #include <algorithm>
+#include <set>
 
+#include "daemon/protocol/names.hpp"
 #include "daemon/protocol/number_json.hpp"
-#include "drivers/recording/atomic_file.hpp"
 #include "drivers/recording/rigid_matrix.hpp"
-#include "drivers/text/text_file.hpp"
 
 namespace infuse::daemon {
 namespace {
 
-constexpr size_t kMaxBytes = 1 << 20;
 constexpr size_t kMaxCameras = 64;
+constexpr size_t kMaxKnown = 1000;  // of a camera; the ledger keeps fewer
 
-std::optional<Eigen::Isometry3d> read_rigid(const Json& object, const char* key) {
-  const auto found = object.find(key);
-  if (found == object.end()) return std::nullopt;
-  const auto numbers = numbers_of(*found, 16);
-  return numbers ? recording::to_rigid(*numbers) : std::nullopt;
-}
+/// Members of a JSON object, read with their types. `damaged` if one is missing or of another type.
+class ObjectReader {
+ public:
+  explicit ObjectReader(const Json& object) : object_(object), damaged_(!object.is_object()) {}
 
-std::optional<SavedCalibration> read_calibration(const Json& object) {
-  if (!object.is_object()) return std::nullopt;
-  const auto camera = object.find("camera");
-  const auto since = object.find("since_ns");
-  const auto configured = read_rigid(object, "T_camera_lidar_configured");
-  const auto used = read_rigid(object, "T_camera_lidar");
-  if (camera == object.end() || !camera->is_string() || since == object.end() ||
-      !since->is_number_integer() || !configured || !used) {
-    return std::nullopt;
+  template <class T>
+  T read(const char* key) {
+    const auto value = read_if<T>(key);
+    damaged_ = damaged_ || !value;
+    return value.value_or(T{});
   }
-  const auto frozen = object.find("frozen");  // absent in older files
-  if (frozen != object.end() && !frozen->is_boolean()) return std::nullopt;
-  return SavedCalibration{camera->get<std::string>(), Stamp::from_ns(since->get<int64_t>()),
-                          frozen != object.end() && frozen->get<bool>(), *configured, *used};
+  /// Nothing if there is no such member.
+  template <class T>
+  std::optional<T> read_if(const char* key) {
+    if (!object_.is_object()) return std::nullopt;
+    const auto found = object_.find(key);
+    if (found == object_.end()) return std::nullopt;
+    const std::optional<T> value = convert<T>(*found);
+    damaged_ = damaged_ || !value;
+    return value;
+  }
+  bool damaged() const { return damaged_; }
+
+ private:
+  template <class T>
+  static std::optional<T> convert(const Json& value) {
+    if constexpr (std::is_same_v<T, std::string>) {
+      return value.is_string() ? std::optional(value.get<std::string>()) : std::nullopt;
+    } else if constexpr (std::is_same_v<T, bool>) {
+      return value.is_boolean() ? std::optional(value.get<bool>()) : std::nullopt;
+    } else if constexpr (std::is_same_v<T, uint64_t>) {
+      return value.is_number_unsigned() ? std::optional(value.get<uint64_t>()) : std::nullopt;
+    } else if constexpr (std::is_same_v<T, int64_t>) {
+      return value.is_number_integer() ? std::optional(value.get<int64_t>()) : std::nullopt;
+    } else if constexpr (std::is_same_v<T, Eigen::Isometry3d>) {
+      const auto numbers = numbers_of(value, 16);
+      return numbers ? recording::to_rigid(*numbers) : std::nullopt;
+    } else {
+      const auto numbers = numbers_of(value, 36);
+      if (!numbers) return std::nullopt;
+      return T(Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(numbers->data()));
+    }
+  }
+
+  const Json& object_;
+  bool damaged_;
+};
+
+std::optional<CalibrationOrigin> origin_of(const std::string& name) {
+  for (const CalibrationOrigin origin :
+       {CalibrationOrigin::kConfigured, CalibrationOrigin::kEstimated, CalibrationOrigin::kGiven}) {
+    if (name == name_of(origin)) return origin;
+  }
+  return std::nullopt;
 }
 
-/// Returns whether the two differ by no more than printing and parsing can cause.
-bool nearly_equal(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
-  return (a.matrix() - b.matrix()).cwiseAbs().maxCoeff() < 1e-9;
+Json known_json(const KnownCalibration& known) {
+  Json json = {{"number", known.number},
+               {"since_ns", known.stamp.ns()},
+               {"origin", name_of(known.origin)},
+               {"T_camera_lidar", by_row(known.T_camera_lidar.matrix())}};
+  if (known.covariance) json["covariance"] = by_row(*known.covariance);
+  if (known.estimated_from) json["estimated_from"] = *known.estimated_from;
+  return json;
+}
+
+std::optional<KnownCalibration> read_known(const Json& json) {
+  ObjectReader object(json);
+  KnownCalibration known;
+  known.number = object.read<uint64_t>("number");
+  known.stamp = Stamp::from_ns(object.read<int64_t>("since_ns"));
+  const auto origin = origin_of(object.read<std::string>("origin"));
+  known.T_camera_lidar = object.read<Eigen::Isometry3d>("T_camera_lidar");
+  known.covariance = object.read_if<Eigen::Matrix<double, 6, 6>>("covariance");
+  known.estimated_from = object.read_if<uint64_t>("estimated_from");
+  if (object.damaged() || !origin || known.number == 0) return std::nullopt;
+  known.origin = *origin;
+  return known;
+}
+
+std::optional<CameraCalibrations> read_camera(const Json& json) {
+  ObjectReader object(json);
+  CameraCalibrations camera;
+  camera.camera = object.read<std::string>("camera");
+  camera.frozen = object.read<bool>("frozen");
+  camera.T_camera_lidar_configured = object.read<Eigen::Isometry3d>("T_camera_lidar_configured");
+  camera.in_use = object.read<uint64_t>("in_use");
+  camera.previous = object.read_if<uint64_t>("previous");
+  if (object.damaged()) return std::nullopt;
+  const auto known = json.find("calibrations");
+  if (known == json.end() || !known->is_array() || known->size() > kMaxKnown) return std::nullopt;
+  for (const Json& one : *known) {
+    const auto read = read_known(one);
+    if (!read) return std::nullopt;
+    camera.known.push_back(*read);
+  }
+  if (camera.find(camera.in_use) == nullptr) return std::nullopt;
+  if (camera.previous && camera.find(*camera.previous) == nullptr) return std::nullopt;
+  return camera;
+}
+
+/// A camera of form 1: the configured calibration and the one in use.
+std::optional<CameraCalibrations> read_form_1(const Json& json, uint64_t& next_number) {
+  ObjectReader object(json);
+  CameraCalibrations camera;
+  camera.camera = object.read<std::string>("camera");
+  const Stamp since = Stamp::from_ns(object.read<int64_t>("since_ns"));
+  camera.frozen = object.read_if<bool>("frozen").value_or(false);
+  camera.T_camera_lidar_configured = object.read<Eigen::Isometry3d>("T_camera_lidar_configured");
+  const auto used = object.read<Eigen::Isometry3d>("T_camera_lidar");
+  if (object.damaged()) return std::nullopt;
+  camera.in_use = next_number++;
+  camera.known.push_back(
+      {.number = camera.in_use, .T_camera_lidar = camera.T_camera_lidar_configured});
+  if (used.matrix() == camera.T_camera_lidar_configured.matrix()) return camera;
+  camera.previous = camera.in_use;
+  camera.in_use = next_number++;
+  camera.known.push_back({.number = camera.in_use,
+                          .stamp = since,
+                          .origin = CalibrationOrigin::kEstimated,
+                          .T_camera_lidar = used});
+  return camera;
+}
+
+/// True if no number names two calibrations and none is still to be given.
+bool numbers_are_unique(const SavedCalibrations& calibrations) {
+  std::set<uint64_t> numbers;
+  for (const CameraCalibrations& camera : calibrations.cameras) {
+    for (const KnownCalibration& known : camera.known) {
+      if (known.number >= calibrations.next_number) return false;
+      if (!numbers.insert(known.number).second) return false;
+    }
+  }
+  return true;
 }
 
 }  // namespace
 
-std::string format_calibrations(const std::vector<SavedCalibration>& calibrations) {
-  Json json = {{"form", kCalibrationsForm}, {"cameras", Json::array()}};
-  for (const SavedCalibration& calibration : calibrations) {
-    json["cameras"].push_back(
-        {{"camera", calibration.camera},
-         {"since_ns", calibration.since.ns()},
-         {"frozen", calibration.frozen},
-         {"T_camera_lidar_configured", by_row(calibration.T_camera_lidar_configured.matrix())},
-         {"T_camera_lidar", by_row(calibration.T_camera_lidar.matrix())}});
-  }
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+const KnownCalibration* CameraCalibrations::find(uint64_t number) const {
+  const auto found = std::find_if(known.begin(), known.end(), [&](const KnownCalibration& one) {
+    return one.number == number;
+  });
+  return found == known.end() ? nullptr : &*found;
 }
 
-Result<std::vector<SavedCalibration>> parse_calibrations(std::string_view text) {
+CameraCalibrations* SavedCalibrations::find(const std::string& camera) {
+  const auto found =
+      std::find_if(cameras.begin(), cameras.end(),
+                   [&](const CameraCalibrations& one) { return one.camera == camera; });
+  return found == cameras.end() ? nullptr : &*found;
+}
+
+std::string format_calibrations(const SavedCalibrations& calibrations) {
+  Json json = {{"form", kCalibrationsForm},
+               {"next_number", calibrations.next_number},
+               {"cameras", Json::array()}};
+  for (const CameraCalibrations& camera : calibrations.cameras) {
+    Json object = {{"camera", camera.camera},
+                   {"frozen", camera.frozen},
+                   {"T_camera_lidar_configured", by_row(camera.T_camera_lidar_configured.matrix())},
+                   {"in_use", camera.in_use}};
+    if (camera.previous) object["previous"] = *camera.previous;
+    object["calibrations"] = Json::array();
+    for (const KnownCalibration& known : camera.known) {
+      object["calibrations"].push_back(known_json(known));
+    }
+    json["cameras"].push_back(object);
+  }
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Result<SavedCalibrations> parse_calibrations(std::string_view text) {
   const Json json = Json::parse(text, nullptr, false);
-  if (!json.is_object() || !json.contains("form") || json["form"] != kCalibrationsForm ||
-      !json.contains("cameras") || !json["cameras"].is_array() ||
-      json["cameras"].size() > kMaxCameras) {
+  ObjectReader object(json);
+  const auto form = object.read<uint64_t>("form");
+  if (object.damaged() || form < 1 || form > kCalibrationsForm || !json.contains("cameras") ||
+      !json["cameras"].is_array() || json["cameras"].size() > kMaxCameras) {
     return fail("not a calibration file of this release");
   }
-  std::vector<SavedCalibration> calibrations;
-  for (const Json& object : json["cameras"]) {
-    const auto calibration = read_calibration(object);
-    if (!calibration) return fail("damaged calibration file");
-    calibrations.push_back(*calibration);
+  SavedCalibrations calibrations;
+  if (form > 1) calibrations.next_number = object.read<uint64_t>("next_number");
+  for (const Json& one : json["cameras"]) {
+    const auto camera = form > 1 ? read_camera(one) : read_form_1(one, calibrations.next_number);
+    if (!camera) return fail("damaged calibration file");
+    calibrations.cameras.push_back(*camera);
+  }
+  if (object.damaged() || !numbers_are_unique(calibrations)) {
+    return fail("damaged calibration file");
   }
   return calibrations;
-}
-
-std::vector<std::string> SavedCalibrations::restore(Rig& rig) {
-  std::vector<std::string> lines;
-  std::error_code ignored;
-  std::vector<SavedCalibration> saved;
-  if (!path_.empty() && std::filesystem::exists(path_, ignored)) {
-    const auto text = text::read_text(path_, kMaxBytes);
-    const auto read = text ? parse_calibrations(*text)
-                           : Result<std::vector<SavedCalibration>>(tl::unexpected(text.error()));
-    if (read) {
-      saved = *read;
-    } else {
-      damage_ = path_.string() + ": " + read.error().what + "; using the configured calibrations";
-      lines.push_back(*damage_);
-      std::filesystem::rename(path_, path_.string() + ".unreadable", ignored);
-    }
-  }
-  calibrations_.clear();
-  for (CameraMount& camera : rig.cameras) {
-    calibrations_.push_back({camera.name, {}, false, camera.T_camera_lidar, camera.T_camera_lidar});
-    const auto found = std::find_if(saved.begin(), saved.end(), [&](const SavedCalibration& one) {
-      return one.camera == camera.name;
-    });
-    if (found == saved.end()) continue;
-    calibrations_.back().frozen = found->frozen;
-    if (found->frozen) lines.push_back(camera.name + ": calibration frozen");
-    if (nearly_equal(found->T_camera_lidar, camera.T_camera_lidar)) continue;
-    if (!nearly_equal(found->T_camera_lidar_configured, camera.T_camera_lidar)) {
-      lines.push_back(camera.name + ": using the configured calibration, which has changed");
-      continue;
-    }
-    camera.T_camera_lidar = found->T_camera_lidar;
-    calibrations_.back() = *found;
-    lines.push_back(camera.name + ": using the saved calibration");
-  }
-  return lines;
-}
-
-std::vector<std::string> SavedCalibrations::frozen_cameras() const {
-  std::vector<std::string> cameras;
-  for (const SavedCalibration& calibration : calibrations_) {
-    if (calibration.frozen) cameras.push_back(calibration.camera);
-  }
-  return cameras;
-}
-
-Result<void> SavedCalibrations::save(const CalibrationReport& report) {
-  for (SavedCalibration& calibration : calibrations_) {
-    if (calibration.camera != report.camera ||
-        nearly_equal(calibration.T_camera_lidar, report.T_camera_lidar)) {
-      continue;
-    }
-    calibration.T_camera_lidar = report.T_camera_lidar;
-    calibration.since = report.stamp;
-    unsaved_ = true;
-  }
-  return unsaved_ ? write() : Result<void>();
-}
-
-Result<void> SavedCalibrations::save_frozen(const std::string& camera, bool frozen) {
-  for (SavedCalibration& calibration : calibrations_) {
-    if (!camera.empty() && calibration.camera != camera) continue;
-    unsaved_ |= std::exchange(calibration.frozen, frozen) != frozen;
-  }
-  return unsaved_ ? write() : Result<void>();
-}
-
-Result<void> SavedCalibrations::write() {
-  if (path_.empty()) return {};
-  std::error_code ignored;  // write_file_atomically reports the error
-  std::filesystem::create_directories(path_.parent_path(), ignored);
-  const std::string text = format_calibrations(calibrations_);
-  auto written = recording::write_file_atomically(path_, std::as_bytes(std::span(text)), 0640);
-  unsaved_ = !written;
-  return written;
 }
 
 }  // namespace infuse::daemon

@@ -38,6 +38,40 @@ double realtime_factor(const Summary& summary) {
   return summary.host_s > 0 ? drive_s(summary) / summary.host_s : 0;
 }
 
+Json calibration_json(const CalibrationReport& report, Level level) {
+  Json json = {{"camera", report.camera},
+               {"state", name_of(report.state)},
+               {"level", name_of(level)},
+               {"evaluations", report.evaluations},
+               {"evidence_nats", rounded(report.verdict.evidence)},
+               {"threshold_nats", rounded(report.verdict.threshold)},
+               {"axis", monitoring::name_of(report.verdict.axis)},
+               {"proposed", report.proposal.has_value()}};
+  if (report.verdict.fault != monitoring::CameraFault::kNone) {
+    json["camera_fault"] = name_of(report.verdict.fault);
+  }
+  return json;
+}
+
+/// "front: calibration CONFIRMED (ERROR): rotation about y, by +0.52 ± 0.03 ° (evidence …)".
+std::string monitoring_text(const CalibrationReport& report, Level level) {
+  std::string text =
+      fmt::format("  {}: calibration {} ({}), {}", report.camera, name_of(report.state),
+                  name_of(level), counted(report.evaluations, "evaluation"));
+  const monitoring::DriftVerdict& verdict = report.verdict;
+  if (verdict.fault != monitoring::CameraFault::kNone) {
+    text += fmt::format("; camera fault: {}", name_of(verdict.fault));
+  }
+  if (verdict.drifting()) {
+    text += "; drift: " + monitoring::describe_drift(verdict);
+  } else if (report.evaluations > 0) {
+    text += fmt::format("; evidence of a drift {:.1f} of {:.1f} nats", verdict.evidence,
+                        verdict.threshold);
+  }
+  if (report.proposal) text += "; a new calibration is proposed";
+  return text + "\n";
+}
+
 /// The stage that covers the whole path of a sweep; null if there is none.
 const StageStats* total_stage(const Summary& summary) {
   return summary.totals.host.stages.empty() ? nullptr : &summary.totals.host.stages.back();
@@ -190,6 +224,10 @@ Json to_json(const Summary& summary) {
     }
   }
   if (summary.has_odometry) json["odometry"] = odometry_json(totals.odometry);
+  json["calibrations"] = Json::array();
+  for (const auto& [camera, report] : totals.calibrations) {
+    json["calibrations"].push_back(calibration_json(report, totals.calibration_levels.at(camera)));
+  }
   json["notes"] = Json::array();
   for (const Error& note : summary.notes) json["notes"].push_back(note.message());
   return json;
@@ -248,6 +286,9 @@ std::string to_text(const Summary& summary) {
                   summary.stopped ? ", stopped early" : "");
   for (const Sensor& sensor : summary.sensors) text += sensor_text(sensor, totals);
   if (summary.has_odometry) text += odometry_text(totals.odometry);
+  for (const auto& [camera, report] : totals.calibrations) {
+    text += monitoring_text(report, totals.calibration_levels.at(camera));
+  }
   if (const StageStats* total = total_stage(summary)) {
     text += "  latency of each stage\n";
     for (const StageStats& stage : totals.host.stages) {

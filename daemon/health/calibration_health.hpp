@@ -4,7 +4,8 @@
 #include <string>
 
 #include "daemon/health/alert.hpp"
-#include "fusion/monitoring/calibration_supervisor.hpp"
+#include "fusion/monitoring/calibration_states.hpp"
+#include "fusion/monitoring/drift_verdict.hpp"
 
 namespace infuse::daemon {
 

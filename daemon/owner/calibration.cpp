@@ -5,11 +5,14 @@
 #include <memory>
 
 #include "daemon/command_line/arguments.hpp"
+#include "daemon/owner/calibration_reports.hpp"
 #include "daemon/owner/client.hpp"
 #include "daemon/owner/commands.hpp"
 #include "daemon/owner/report_text.hpp"
 #include "daemon/protocol/json.hpp"
+#include "daemon/protocol/number_json.hpp"
 #include "drivers/measurement/angles.hpp"
+#include "drivers/recording/drive_toml.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -18,6 +21,8 @@ struct CalibrationArguments {
   std::string socket;
   std::string camera;
   bool off = false;
+  uint64_t number = 0;  // 0: none
+  std::string rig;
   bool json = false;
 };
 
@@ -53,6 +58,13 @@ std::string calibration_text(const Json& report) {
                   report.value("frozen", false) ? ", frozen" : "");
   lines += fmt::format("  in use: T_camera_lidar\n{}",
                        matrix_text(report.value("T_camera_lidar", Json::array())));
+  if (report.value("proposed", false)) {
+    lines += "  a new calibration waits: infuse calibrations, infuse apply\n";
+  }
+  if (report.value("recalibration_requested", false)) {
+    lines += fmt::format("  requested re-estimation: {} of {} scenes\n", report.value("scenes", 0),
+                         report.value("needed_scenes", 0));
+  }
   if (report.contains("camera_fault")) {
     lines += fmt::format("  camera fault: {}\n", text_of(report, "camera_fault"));
   }
@@ -80,34 +92,33 @@ std::string calibration_text(const Json& report) {
   return lines;
 }
 
-int print_calibrations(const CalibrationArguments& arguments) {
+int print_calibration(const CalibrationArguments& arguments) {
   constexpr const char* kProgram = "infuse calibration";
-  auto client = Client::connect(arguments.socket);
-  if (!client) return print_error(kProgram, client.error(), kFailure);
-  if (auto sent = client->send({{"op", "poll"}}); !sent) {
-    return print_error(kProgram, sent.error(), kFailure);
-  }
-  size_t shown = 0;
-  while (true) {
-    const auto message = client->next(std::chrono::seconds(5));
-    if (!message) return print_error(kProgram, message.error(), kFailure);
-    if (!*message) return print_error(kProgram, {"the daemon ended", "", ""}, kFailure);
-    const Json& report = **message;
-    if (text_of(report, "class") == "ACK") break;
-    if (text_of(report, "class") != "CALIBRATION") continue;
-    if (!arguments.camera.empty() && text_of(report, "device") != arguments.camera) continue;
+  const auto reports = poll_calibrations(arguments.socket, arguments.camera);
+  if (!reports) return print_error(kProgram, reports.error(), kFailure);
+  for (const Json& report : *reports) {
     std::cout << (arguments.json ? json_text(report) + "\n" : calibration_text(report));
-    ++shown;
   }
-  if (shown > 0) return kDone;
-  return print_error(kProgram,
-                     {"no calibration report yet" +
-                          (arguments.camera.empty() ? "" : " of '" + arguments.camera + "'"),
-                      "", "the first report follows a camera's first image with a sweep"},
+  return kDone;
+}
+
+/// Sends a request and prints the daemon's answer if there is more to it than that it was carried
+/// out.
+int send_request(const std::string& program, Client& client, const Json& request) {
+  if (auto sent = client.send(request); !sent) return print_error(program, sent.error(), kFailure);
+  const auto message = client.next(std::chrono::seconds(5));
+  if (!message) return print_error(program, message.error(), kFailure);
+  if (!*message) return print_error(program, {"the daemon ended", "", ""}, kFailure);
+  if (text_of(**message, "class") == "ACK") {
+    if (const std::string note = text_of(**message, "note"); !note.empty()) {
+      std::cout << note << "\n";
+    }
+    return kDone;
+  }
+  return print_error(program, {text_of(**message, "what"), "", text_of(**message, "hint")},
                      kFailure);
 }
 
-/// Sends the request `op` and prints the daemon's answer if it is an error.
 int send_request(const char* op, const CalibrationArguments& arguments) {
   const std::string program = std::string("infuse ") + op;
   auto client = Client::connect(arguments.socket);
@@ -115,13 +126,29 @@ int send_request(const char* op, const CalibrationArguments& arguments) {
   Json request = {{"op", op}};
   if (!arguments.camera.empty()) request["device"] = arguments.camera;
   if (arguments.off) request["on"] = false;
-  if (auto sent = client->send(request); !sent) return print_error(program, sent.error(), kFailure);
-  const auto message = client->next(std::chrono::seconds(5));
-  if (!message) return print_error(program, message.error(), kFailure);
-  if (!*message) return print_error(program, {"the daemon ended", "", ""}, kFailure);
-  if (text_of(**message, "class") == "ACK") return kDone;
-  return print_error(program, {text_of(**message, "what"), "", text_of(**message, "hint")},
-                     kFailure);
+  if (arguments.number > 0) request["number"] = arguments.number;
+  return send_request(program, *client, request);
+}
+
+/// Puts the calibrations of a rig.toml into use, camera by camera.
+int apply_rig(const CalibrationArguments& arguments) {
+  constexpr const char* kProgram = "infuse apply";
+  const auto rig = recording::read_rig(arguments.rig);
+  if (!rig) return print_error(kProgram, rig.error(), kUnreadable);
+  auto client = Client::connect(arguments.socket);
+  if (!client) return print_error(kProgram, client.error(), kFailure);
+  bool any = false;
+  for (const CameraMount& camera : rig->cameras) {
+    if (!arguments.camera.empty() && camera.name != arguments.camera) continue;
+    any = true;
+    const int code = send_request(kProgram, *client,
+                                  {{"op", "apply"},
+                                   {"device", camera.name},
+                                   {"T_camera_lidar", by_row(camera.T_camera_lidar.matrix())}});
+    if (code != kDone) return code;
+  }
+  if (any) return kDone;
+  return print_error(kProgram, {"no such camera", arguments.rig, "see --camera"}, kUsage);
 }
 
 using Examples = std::initializer_list<const char*>;
@@ -151,7 +178,7 @@ Command declare_calibration(CLI::App& infuse) {
               "print the running daemon's calibrations, their monitoring state and history",
               {"infuse calibration", "infuse calibration --camera front --json"}, arguments);
   app->add_flag("--json", arguments->json, "print the CALIBRATION reports, one per line");
-  return {app, [arguments] { return print_calibrations(*arguments); }};
+  return {app, [arguments] { return print_calibration(*arguments); }};
 }
 
 Command declare_recalibrate(CLI::App& infuse) {
@@ -160,8 +187,21 @@ Command declare_recalibrate(CLI::App& infuse) {
 }
 
 Command declare_apply(CLI::App& infuse) {
-  return declare_request(infuse, "apply", "put the last estimate of the extrinsics into use",
-                         {"infuse apply", "infuse apply --camera front"});
+  const auto arguments = std::make_shared<CalibrationArguments>();
+  CLI::App* app = declare(
+      infuse, "apply", "put proposed, earlier or given extrinsics into use",
+      {"infuse apply --camera front", "infuse apply 7", "infuse apply --rig rig.toml"}, arguments);
+  CLI::Option* number =
+      app->add_option("NUMBER", arguments->number,
+                      "of infuse calibrations (default: the one that is proposed)")
+          ->check(CLI::PositiveNumber);
+  app->add_option("--rig", arguments->rig, "use the extrinsics of a rig.toml")
+      ->type_name("FILE")
+      ->excludes(number);
+  return {app, [arguments] {
+            return arguments->rig.empty() ? send_request("apply", *arguments)
+                                          : apply_rig(*arguments);
+          }};
 }
 
 Command declare_rollback(CLI::App& infuse) {

@@ -12,6 +12,7 @@ Command declare_inspect(CLI::App& infuse);
 Command declare_decode(CLI::App& infuse);
 Command declare_evaluate(CLI::App& infuse);
 Command declare_calibration(CLI::App& infuse);
+Command declare_calibrations(CLI::App& infuse);
 Command declare_recalibrate(CLI::App& infuse);
 Command declare_apply(CLI::App& infuse);
 Command declare_rollback(CLI::App& infuse);

@@ -30,10 +30,8 @@ class CameraChannel {
   /// Monitors the calibration with a usable match. Returns the report if one is due, else null.
   const CalibrationReport* monitor(const ImageMatch& match, const geometry::Trajectory& trajectory);
 
-  /// Carries out a request of the owner.
-  void handle_request(const Request& request) {
-    if (guard_) guard_->handle_request(request);
-  }
+  /// Keeps the calibration valid; null if it is not monitored.
+  CalibrationGuard* guard() { return guard_ ? &*guard_ : nullptr; }
 
   /// Stops re-estimation, and starts none from now on; from any thread.
   void shut_down() {

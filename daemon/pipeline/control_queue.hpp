@@ -4,33 +4,37 @@
 #include <mutex>
 #include <vector>
 
-#include "daemon/protocol/request.hpp"
+#include "daemon/calibration/calibration_command.hpp"
 
 namespace infuse::daemon {
 
-/// Queue of the owner's requests, from the server's thread to the fusion thread.
+/// Queue of the owner's commands, from the server's thread to the fusion thread.
 class ControlQueue {
  public:
-  /// Adds a request; from any thread.
-  void push(const Request& request) {
+  /// Adds a command; from any thread.
+  void push(const CalibrationCommand& command) {
     const std::lock_guard lock(mutex_);
-    waiting_.push_back(request);
+    waiting_.push_back(command);
     has_pending_.store(true);
   }
 
-  /// Calls `handle(const Request&)` for every queued request; from the fusion thread.
+  /// Calls `handle(const CalibrationCommand&)` for every queued command; from the fusion thread.
+  /// The lock is not held meanwhile: `handle` may wait for the server's thread.
   template <class Handle>
   void drain(Handle handle) {
     if (!has_pending_.load(std::memory_order_relaxed)) return;
-    const std::lock_guard lock(mutex_);
-    for (const Request& request : waiting_) handle(request);
-    waiting_.clear();
-    has_pending_.store(false);
+    std::vector<CalibrationCommand> commands;
+    {
+      const std::lock_guard lock(mutex_);
+      commands.swap(waiting_);
+      has_pending_.store(false);
+    }
+    for (const CalibrationCommand& command : commands) handle(command);
   }
 
  private:
   std::mutex mutex_;
-  std::vector<Request> waiting_;
+  std::vector<CalibrationCommand> waiting_;
   std::atomic<bool> has_pending_{false};
 };
 

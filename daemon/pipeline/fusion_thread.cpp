@@ -89,7 +89,7 @@ void FusionThread::process(Pin<StreamItem> item) {
   if (item->stamp > now_ || item->stamp + kMaxClockStepBack < now_) now_ = item->stamp;
   read_at_ = item->read_at;
   behind_ = HostClock::now() - read_at_;
-  requests_.drain([&](const Request& request) { handle_request(request); });
+  commands_.drain([&](const CalibrationCommand& command) { handle(command); });
   switch (item->kind) {
     case StreamItem::Kind::kStart:
       begin_report(ReportItem::Kind::kStart, item->stamp);
@@ -112,13 +112,20 @@ void FusionThread::process(Pin<StreamItem> item) {
     case StreamItem::Kind::kTick:
       process_due_sweeps();
       if (setup_.tap != nullptr) setup_.tap->end_second();
+      for (CameraChannel& camera : cameras_) {
+        if (camera.guard() != nullptr) report(camera.guard()->report_if_due(item->stamp));
+      }
       return report_tick(*item);
     case StreamItem::Kind::kDatagrams:
       return;
     case StreamItem::Kind::kFlush:
       odometry_.finish();
       while (!sweeps_.empty()) process_sweep(sweeps_.pop());
-      return process_last_images();
+      process_last_images();
+      for (CameraChannel& camera : cameras_) {
+        if (camera.guard() != nullptr) report(camera.guard()->report_at_end(item->stamp));
+      }
+      return;
     case StreamItem::Kind::kEnd:
       begin_report(ReportItem::Kind::kEnd, item->stamp);
       return send_report();
@@ -276,9 +283,13 @@ void FusionThread::monitor_calibration(const ImageMatch& match) {
     const ScopedLatency timer(latency(Stage::kMonitor));
     return cameras_[match.image.camera].monitor(match, odometry_.trajectory());
   };
-  const CalibrationReport* calibration = monitor();
+  report(monitor());
+}
+
+/// Null: none is due.
+void FusionThread::report(const CalibrationReport* calibration) {
   if (calibration == nullptr) return;
-  begin_report(ReportItem::Kind::kCalibration, match.image.stamp).calibration = *calibration;
+  begin_report(ReportItem::Kind::kCalibration, calibration->stamp).calibration = *calibration;
   send_report();
 }
 
@@ -318,9 +329,10 @@ void FusionThread::report_tick(const StreamItem& item) {
   send_report();
 }
 
-void FusionThread::handle_request(const Request& request) {
+void FusionThread::handle(const CalibrationCommand& command) {
   for (CameraChannel& camera : cameras_) {
-    if (request.device.empty() || request.device == camera.name()) camera.handle_request(request);
+    if (command.camera != camera.name() || camera.guard() == nullptr) continue;
+    report(camera.guard()->handle(command, now_));
   }
 }
 

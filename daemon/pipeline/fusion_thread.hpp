@@ -72,8 +72,8 @@ class FusionThread {
   /// Runs until the item kEnd has been passed on, or `in` is closed.
   void run();
 
-  /// Queues a request of the owner that concerns calibrations; from any thread.
-  void post_request(const Request& request) { requests_.push(request); }
+  /// Queues a command of the owner; from any thread.
+  void post(const CalibrationCommand& command) { commands_.push(command); }
 
   /// Stops waiting for background work; from any thread.
   void shut_down() {
@@ -99,7 +99,8 @@ class FusionThread {
   void monitor_calibration(const ImageMatch& match);
   void report_latest_pose();
   void report_tick(const StreamItem& item);
-  void handle_request(const Request& request);
+  void handle(const CalibrationCommand& command);
+  void report(const CalibrationReport* calibration);
 
   ReportItem& begin_report(ReportItem::Kind kind, Stamp stamp);
   void send_report();
@@ -129,7 +130,7 @@ class FusionThread {
   LidarIndex places_lidar_{0};              // whose sweeps are compared with the map of keyframes
   std::deque<motion::Deskewer> deskewers_;  // by LidarIndex
   std::deque<CameraChannel> cameras_;       // by CameraIndex
-  ControlQueue requests_;
+  ControlQueue commands_;
   motion::DeskewedSweep deskewed_;  // memory that is used again, as the next
   ViewMapPose view_pose_;
 

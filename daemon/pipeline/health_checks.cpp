@@ -143,12 +143,13 @@ void HealthChecks::check_stream(const Sensor& sensor, StreamHealth& health, cons
   append_alerts(tick.stamp, sensor.device.name, status.transitions, alerts);
 }
 
-void HealthChecks::check(const CalibrationReport& report, std::vector<AlertReport>& alerts) {
+Level HealthChecks::check(const CalibrationReport& report, std::vector<AlertReport>& alerts) {
   auto& checks =
       calibrations_.try_emplace(report.camera, calibration_alerts(), options_).first->second;
   checks.update(report.stamp, {report.state, report.verdict,
                                report.estimate ? report.estimate->reason : std::string()});
   append_alerts(report.stamp, report.camera, checks.transitions(), alerts);
+  return checks.level();
 }
 
 void HealthChecks::set_options(const HealthOptions& options) {

@@ -37,8 +37,8 @@ class HealthChecks {
   /// Checks the host; live only. Its findings are appended to those of the report about the daemon.
   void check_host(const HostStatus& host, HealthReport& report, std::vector<AlertReport>& alerts);
 
-  /// Checks a calibration. What is raised or cleared is appended to `alerts`.
-  void check(const CalibrationReport& report, std::vector<AlertReport>& alerts);
+  /// Checks a calibration and returns its level. What is raised or cleared is appended to `alerts`.
+  Level check(const CalibrationReport& report, std::vector<AlertReport>& alerts);
 
   /// Replaces the thresholds.
   void set_options(const HealthOptions& options);

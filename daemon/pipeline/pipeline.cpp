@@ -1,7 +1,5 @@
 #include "daemon/pipeline/pipeline.hpp"
 
-#include "daemon/calibration/request_check.hpp"
-
 #include "daemon/pipeline/threads.hpp"
 
 namespace infuse::daemon {
@@ -58,9 +56,7 @@ FusionSetup fusion_setup(const SensorSetup& setup, const PipelineOptions& option
 Pipeline::Pipeline(boost::asio::io_context& io, const SensorSetup& setup,
                    const PipelineOptions& options, Server& server, ReportsFile* file,
                    std::function<void()> on_end)
-    : setup_(setup),
-      calibrations_monitored_(options.calibration.monitored),
-      on_end_(std::move(on_end)),
+    : on_end_(std::move(on_end)),
       items_(items_in_flight(setup.live) + FusionThread::max_pins(setup.lidars.size()) +
                  (options.tap != nullptr ? 1 : 0),
              [&] { return stream_item(setup); }),
@@ -93,26 +89,6 @@ void Pipeline::start(std::function<void(std::stop_token)> read) {
     name_and_pin("io", kIoCore);
     read(stop);
   });
-}
-
-Result<void> Pipeline::handle_request(const Request& request) {
-  if (request.op == Request::Op::kRecord) return fail("a replay cannot be recorded");
-  if (!calibrations_monitored_) {
-    return fail("calibrations are not monitored", "", "set monitor = true in [calibration]");
-  }
-  if (setup_.rig.cameras.empty()) return fail("no camera is configured");
-  std::string names;
-  bool known = request.device.empty();
-  for (const CameraMount& camera : setup_.rig.cameras) {
-    known = known || camera.name == request.device;
-    names += " " + camera.name;
-  }
-  if (!known) return fail("unknown camera '" + request.device + "'", "", "known:" + names);
-  if (auto wrong = check_request(request, publisher_.totals().calibrations)) {
-    return tl::unexpected(*wrong);
-  }
-  fusion_.post_request(request);
-  return {};
 }
 
 void Pipeline::drain() {

@@ -54,9 +54,8 @@ class Pipeline {
     io_thread_.request_stop();
   }
 
-  /// Carries out a control request for calibrations. Errors: unknown camera, calibrations not
-  /// monitored, nothing to apply or to roll back.
-  Result<void> handle_request(const Request& request);
+  /// Hands a command of the owner to the calibration of a camera.
+  void post(const CalibrationCommand& command) { fusion_.post(command); }
 
   /// The items of the io thread, for a further reader that is registered before `start`, with a
   /// pin.
@@ -70,8 +69,6 @@ class Pipeline {
 
   void drain();
 
-  const SensorSetup& setup_;
-  const bool calibrations_monitored_;
   std::function<void()> on_end_;
   SlotRing<StreamItem> items_;
   SlotRing<CameraImage> images_;

@@ -72,12 +72,13 @@ void Publisher::start(Stamp stamp) {
   publish(DevicesReport{stamp, checks_.devices()}, "");
 }
 
-void Publisher::publish_calibration(const CalibrationReport& report) {
+void Publisher::publish_calibration(CalibrationReport report) {
+  complete_calibration_(report);
   totals_.calibrations[report.camera] = report;
   for (const auto& listener : calibration_listeners_) listener(report);
   publish(report, report.camera);
   std::vector<AlertReport> alerts;
-  checks_.check(report, alerts);
+  totals_.calibration_levels[report.camera] = checks_.check(report, alerts);
   publish_alerts(alerts);
 }
 

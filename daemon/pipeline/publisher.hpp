@@ -27,6 +27,11 @@ class Publisher {
     pose_listener_ = std::move(listener);
   }
 
+  /// Sets who completes every CALIBRATION report before it is published.
+  void set_calibration_ledger(std::function<void(CalibrationReport&)> complete) {
+    complete_calibration_ = std::move(complete);
+  }
+
   /// Adds a listener of every CALIBRATION report.
   void add_calibration_listener(std::function<void(const CalibrationReport&)> listener) {
     calibration_listeners_.push_back(std::move(listener));
@@ -89,7 +94,7 @@ class Publisher {
  private:
   void process(const ReportItem& item);
   void start(Stamp stamp);
-  void publish_calibration(const CalibrationReport& report);
+  void publish_calibration(CalibrationReport report);
   void publish_health(const ReportItem& item);
   void publish_alerts(const std::vector<AlertReport>& alerts);
   template <class Report>
@@ -101,6 +106,7 @@ class Publisher {
   SlotRing<ReportItem>::Reader in_;
   HealthChecks checks_;
   std::function<void()> progress_listener_ = [] {};
+  std::function<void(CalibrationReport&)> complete_calibration_ = [](CalibrationReport&) {};
   std::vector<std::function<void(const CalibrationReport&)>> calibration_listeners_;
   std::vector<std::function<void(const HealthReport&)>> health_listeners_;
   std::vector<std::function<void(const AlertReport&)>> alert_listeners_;

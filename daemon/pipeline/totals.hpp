@@ -24,6 +24,7 @@ struct Totals {
   uint64_t matched_frames = 0;                            ///< of these, matched with a sweep
   OdometryStatus odometry;                                ///< at the last tick
   std::map<std::string, CalibrationReport> calibrations;  ///< the last of each camera
+  std::map<std::string, Level> calibration_levels;        ///< at the last report of each
   SensorLevels levels;                                    ///< at the last tick
   HostStats host;
 

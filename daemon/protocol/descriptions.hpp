@@ -169,6 +169,7 @@ template <class Visitor>
 void describe(Visitor& v, const AckReply& reply) {
   v.message("ACK", "The request was carried out.");
   v.field("op", reply.op);
+  v.field("note", unless_empty(reply.note), "what follows from it");
 }
 
 template <class Visitor>

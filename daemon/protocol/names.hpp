@@ -52,6 +52,12 @@ template <>
 inline constexpr std::array<monitoring::CalibrationState, 2> kRange<monitoring::CalibrationState> =
     {monitoring::CalibrationState::kOk, monitoring::CalibrationState::kUnusable};
 template <>
+inline constexpr std::array<CalibrationOrigin, 2> kRange<CalibrationOrigin> = {
+    CalibrationOrigin::kConfigured, CalibrationOrigin::kGiven};
+template <>
+inline constexpr std::array<CalibrationUse, 2> kRange<CalibrationUse> = {CalibrationUse::kEarlier,
+                                                                         CalibrationUse::kProposed};
+template <>
 inline constexpr std::array<monitoring::UpdatePolicy, 2> kRange<monitoring::UpdatePolicy> = {
     monitoring::UpdatePolicy::kAlertOnly, monitoring::UpdatePolicy::kApplyWithin};
 template <>
@@ -65,6 +71,14 @@ constexpr const char* name_of(AlertState state) {
 /// Returns "recording", "ended" or "failed".
 constexpr const char* name_of(RecordState state) {
   return std::array{"recording", "ended", "failed"}[static_cast<size_t>(state)];
+}
+/// Returns "configured", "estimated" or "given".
+constexpr const char* name_of(CalibrationOrigin origin) {
+  return std::array{"configured", "estimated", "given"}[static_cast<size_t>(origin)];
+}
+/// Returns "earlier", "in use", "previous" or "proposed".
+constexpr const char* name_of(CalibrationUse use) {
+  return std::array{"earlier", "in use", "previous", "proposed"}[static_cast<size_t>(use)];
 }
 /// Returns "odom" or "map".
 constexpr const char* name_of(PoseFrame frame) {

@@ -16,7 +16,8 @@
 #include "daemon/health/streetmap_health.hpp"
 #include "daemon/protocol/report_class.hpp"
 #include "drivers/measurement/stamp.hpp"
-#include "fusion/monitoring/calibration_supervisor.hpp"
+#include "fusion/monitoring/calibration_states.hpp"
+#include "fusion/monitoring/drift_verdict.hpp"
 
 namespace infuse::daemon {
 
@@ -222,6 +223,33 @@ struct CalibrationEstimate {
   double mahalanobis_distance = 0;
   uint64_t scenes = 0;
   std::string reason;  ///< why it is not usable; empty if it is
+  Eigen::Isometry3d T_estimated_from = Eigen::Isometry3d::Identity();  ///< in use when it began
+};
+
+/// Where a calibration comes from.
+enum class CalibrationOrigin : uint8_t {
+  kConfigured,  ///< rig.toml
+  kEstimated,   ///< a re-estimation
+  kGiven,       ///< the owner, from a file
+};
+
+/// What is done with a calibration.
+enum class CalibrationUse : uint8_t {
+  kEarlier,   ///< nothing
+  kInUse,     ///< it is in use
+  kPrevious,  ///< it was in use before: a rollback returns to it
+  kProposed,  ///< it waits for the owner
+};
+
+/// A calibration of a camera that was in use or proposed, with the number that it keeps.
+struct KnownCalibration {
+  uint64_t number = 0;
+  Stamp stamp;  ///< since when it is known
+  CalibrationOrigin origin = CalibrationOrigin::kConfigured;
+  CalibrationUse use = CalibrationUse::kEarlier;
+  Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();
+  std::optional<Eigen::Matrix<double, 6, 6>> covariance;  ///< of an estimate
+  std::optional<uint64_t> estimated_from;  ///< number of the calibration that was in use then
 };
 
 /// State of the calibration of one camera to its lidar.
@@ -233,8 +261,11 @@ struct CalibrationReport {
   Stamp since;  ///< begin of the state
   monitoring::UpdatePolicy policy = monitoring::UpdatePolicy::kAlertOnly;
   bool frozen = false;
-  bool proposed = false;       ///< a new calibration waits for the owner
-  bool can_roll_back = false;  ///< there is a calibration before the one in use
+  std::optional<CalibrationEstimate> proposal;  ///< a new calibration that waits for the owner
+  bool recalibration_requested = false;         ///< by the owner; it waits for scenes
+  uint64_t decision = 0;       ///< the last of the owner's that is carried out; not on the wire
+  uint64_t needed_scenes = 0;  ///< that the next re-estimation needs
+  std::vector<KnownCalibration> known;  ///< oldest first; numbered by the daemon's main thread
   Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();  ///< in use
   uint64_t evaluations = 0;
   uint64_t scenes = 0;
@@ -261,6 +292,7 @@ struct LostReport {
 /// Reply to a request that was carried out.
 struct AckReply {
   std::string op;
+  std::string note;  ///< what follows from it; empty: nothing more to say
 };
 
 /// Reply to a request, or a connection, that was refused.

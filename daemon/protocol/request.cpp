@@ -2,6 +2,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "daemon/protocol/number_json.hpp"
+#include "drivers/recording/rigid_matrix.hpp"
+
 namespace infuse::daemon {
 namespace {
 
@@ -69,6 +72,24 @@ Result<Request> parse_record(const UnorderedJson& json, Request request) {
   return request;
 }
 
+Result<Request> parse_apply(const UnorderedJson& json, Request request) {
+  if (const auto number = json.find("number"); number != json.end()) {
+    if (!number->is_number_unsigned()) return fail("number is not a whole number", "apply");
+    request.number = number->get<uint64_t>();
+  }
+  if (const auto given = json.find("T_camera_lidar"); given != json.end()) {
+    const auto numbers = numbers_of(*given, 16);
+    request.T_camera_lidar = numbers ? recording::to_rigid(*numbers) : std::nullopt;
+    if (!request.T_camera_lidar) {
+      return fail("T_camera_lidar is not a rigid motion", "apply", "16 numbers by row");
+    }
+    if (request.device.empty()) {
+      return fail("T_camera_lidar needs a device", "apply", "the name of a camera");
+    }
+  }
+  return request;
+}
+
 Result<Request> parse_control(const UnorderedJson& json, Request request) {
   const std::string op = name_of(request.op);
   if (const auto device = json.find("device"); device != json.end()) {
@@ -79,7 +100,9 @@ Result<Request> parse_control(const UnorderedJson& json, Request request) {
     if (!on->is_boolean()) return fail("on is not a boolean", op);
     request.on = on->get<bool>();
   }
-  return request.op == Request::Op::kRecord ? parse_record(json, std::move(request)) : request;
+  if (request.op == Request::Op::kRecord) return parse_record(json, std::move(request));
+  if (request.op == Request::Op::kApply) return parse_apply(json, std::move(request));
+  return request;
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -18,15 +20,17 @@ struct Request {
     kDevices,
     // Control requests, permitted to the owner only:
     kRecalibrate,  ///< re-estimate the calibration now
-    kApply,        ///< use the last estimate
+    kApply,        ///< use the proposed calibration, or the one with a number, or a given one
     kRollback,     ///< use the previous calibration
     kFreeze,       ///< disable automatic changes; `on` false: enable them
     kRecord,       ///< start a recording; `on` false: end it
   };
   Op op = Op::kPoll;
-  ReportClasses classes;     ///< of kWatch
-  std::string device;        ///< of calibrations: the camera; empty: all
-  bool on = true;            ///< of kFreeze and kRecord
+  ReportClasses classes;                            ///< of kWatch
+  std::string device;                               ///< of calibrations: the camera; empty: all
+  bool on = true;                                   ///< of kFreeze and kRecord
+  std::optional<uint64_t> number;                   ///< of kApply: of a calibration
+  std::optional<Eigen::Isometry3d> T_camera_lidar;  ///< of kApply: to be used
   std::string name;          ///< of kRecord: name of the drive; empty: the time
   Duration max_duration{0};  ///< of kRecord; 0: as configured
   uint64_t max_bytes = 0;    ///< of kRecord: bytes; 0: as configured

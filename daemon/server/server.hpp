@@ -80,7 +80,7 @@ class Server {
   boost::asio::steady_timer timer_;
   std::filesystem::path path_;  // of the socket, if it is removed at the end
   LastValues last_values_;
-  Session::Control control_ = [](const Request&) -> Result<void> {
+  Session::Control control_ = [](const Request&) -> Result<std::string> {
     return fail("this daemon accepts no control requests");
   };
   std::vector<std::shared_ptr<Session>> sessions_;

@@ -85,12 +85,12 @@ void Session::answer(std::string_view line) {
     return reply(ErrorReply{"devices", "no device is known yet", "retry later"});
   }
   watched_ = request->classes;
-  reply(AckReply{"watch"});
+  reply(AckReply{"watch", ""});
 }
 
 void Session::answer_poll() {
   for (const LastValues::Entry& entry : last_values_.entries()) queue(entry.line);
-  reply(AckReply{"poll"});
+  reply(AckReply{"poll", ""});
 }
 
 void Session::answer_control(const Request& request) {
@@ -99,8 +99,8 @@ void Session::answer_control(const Request& request) {
     return reply(ErrorReply{op, "permission denied",
                             "run as the daemon's user or as root, on its Unix socket"});
   }
-  const Result<void> done = control_(request);
-  if (done) return reply(AckReply{op});
+  const Result<std::string> done = control_(request);
+  if (done) return reply(AckReply{op, *done});
   reply(ErrorReply{op, done.error().what, done.error().hint});
 }
 

@@ -25,7 +25,7 @@ class Session : public std::enable_shared_from_this<Session> {
   using Clock = ServerClock;
 
   /// Handler of a control request; its error is sent to the client.
-  using Control = std::function<Result<void>(const Request&)>;
+  using Control = std::function<Result<std::string>(const Request&)>;
 
   /// `last_values` and `control` outlive the session. `user`: the owner may send control requests.
   /// `requests`: limits the requests of all sessions of this user.

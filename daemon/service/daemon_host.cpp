@@ -82,30 +82,36 @@ PipelineOptions DaemonHost::pipeline_options() const {
 void DaemonHost::connect(Pipeline& pipeline, RequestHandler on_record) {
   connect(
       pipeline.publisher(),
-      [&pipeline](const Request& request) { return pipeline.handle_request(request); },
+      [&pipeline](const CalibrationCommand& command) { pipeline.post(command); },
       std::move(on_record));
 }
 
-void DaemonHost::connect(Publisher& publisher, RequestHandler on_request,
+void DaemonHost::connect(Publisher& publisher, CommandHandler on_command,
                          RequestHandler on_record) {
-  on_request_ = std::move(on_request);
+  on_command_ = std::move(on_command);
   on_record_ = std::move(on_record);
-  for (const std::string& camera : calibrations_.frozen_cameras()) {
-    static_cast<void>(on_request_({.op = Request::Op::kFreeze, .device = camera}));
-  }
-  publisher.add_calibration_listener([this](const CalibrationReport& report) { save(report); });
+  for (const CalibrationCommand& command : calibrations_.restore_commands()) on_command_(command);
+  publisher.set_calibration_ledger([this](CalibrationReport& report) { complete(report); });
   server_.on_control([this](const Request& request) { return handle_request(request); });
 }
 
-Result<void> DaemonHost::handle_request(const Request& request) {
-  if (request.op == Request::Op::kRecord && on_record_) return on_record_(request);
-  auto handled = on_request_(request);
-  if (!handled || request.op != Request::Op::kFreeze) return handled;
-  return calibrations_.save_frozen(request.device, request.on);
+Result<std::string> DaemonHost::handle_request(const Request& request) {
+  if (request.op == Request::Op::kRecord) {
+    if (!on_record_) return fail("a replay cannot be recorded");
+    return on_record_(request).map([] { return std::string(); });
+  }
+  if (!config_.calibration.monitored) {
+    return fail("calibrations are not monitored", "", "set monitor = true in [calibration]");
+  }
+  const auto decision = calibrations_.decide(request);
+  if (!decision) return tl::unexpected(decision.error());
+  for (const CalibrationCommand& command : decision->commands) on_command_(command);
+  return decision->note;
 }
 
-void DaemonHost::save(const CalibrationReport& report) {
-  const auto saved = calibrations_.save(report);
+// The store's status tells why, and raises the alert.
+void DaemonHost::complete(CalibrationReport& report) {
+  const auto saved = calibrations_.observe(report);
   calibrations_problem_ = saved ? "" : saved.error().message();
 }
 

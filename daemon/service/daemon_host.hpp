@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <functional>
 
-#include "daemon/calibration/saved_calibrations.hpp"
+#include "daemon/calibration/calibration_ledger.hpp"
 #include "daemon/command_line/exit_code.hpp"
 #include "daemon/config/config.hpp"
 #include "daemon/pipeline/pipeline.hpp"
@@ -37,8 +37,10 @@ Result<std::optional<places::PlaceMap>> open_place_map(const Config& config);
 /// Single-threaded: all calls are made on the thread that calls run().
 class DaemonHost {
  public:
-  /// Executes a control request; an error says why it is rejected.
+  /// Executes a recording request; an error says why it is rejected.
   using RequestHandler = std::function<Result<void>(const Request&)>;
+  /// Hands a command to the calibration of a camera.
+  using CommandHandler = std::function<void(const CalibrationCommand&)>;
 
   /// `config` must outlive this object. Calibrations in use are kept in `state_folder`; an empty
   /// path disables that.
@@ -52,15 +54,16 @@ class DaemonHost {
   /// Options for the pipeline, from the configuration and the opened street map.
   PipelineOptions pipeline_options() const;
 
-  /// Connects the pipeline: saves its calibrations, restores frozen ones, and forwards control
-  /// requests. `on_record` handles recording requests; without it the pipeline rejects them.
+  /// Connects the pipeline: numbers and saves its calibrations, restores frozen ones, and decides
+  /// control requests. `on_record` handles recording requests; without it they are rejected.
   void connect(Pipeline& pipeline, RequestHandler on_record = nullptr);
 
-  /// The same with the parts that it uses of a pipeline: its publisher, and who handles requests.
-  void connect(Publisher& publisher, RequestHandler on_request, RequestHandler on_record = nullptr);
+  /// The same with the parts that it uses of a pipeline: its publisher, and who handles commands.
+  void connect(Publisher& publisher, CommandHandler on_command, RequestHandler on_record = nullptr);
 
-  /// Executes a control request, as if its owner had sent it.
-  Result<void> handle_request(const Request& request);
+  /// Executes a control request, as if its owner had sent it. What it decides is saved before this
+  /// returns. Returns a note for the owner, which may be empty.
+  Result<std::string> handle_request(const Request& request);
 
   /// Runs the event loop until finish() has been called and all clients are gone. `on_stop` is
   /// called at the first SIGINT or SIGTERM; a second one ends the process.
@@ -80,15 +83,16 @@ class DaemonHost {
   Server& server() { return server_; }
 
  private:
-  void save(const CalibrationReport& report);
+  void complete(CalibrationReport& report);
 
   const Config& config_;
   boost::asio::io_context io_{1};
   boost::asio::signal_set stop_signals_{io_, SIGINT, SIGTERM};
   Server server_;
-  SavedCalibrations calibrations_;
+  CalibrationLedger calibrations_;
   std::string calibrations_problem_;
-  RequestHandler on_request_, on_record_;
+  CommandHandler on_command_;
+  RequestHandler on_record_;
   StreetMapFile map_;
   std::optional<places::PlaceMap> places_;
 };

@@ -18,11 +18,11 @@
 namespace infuse::daemon {
 namespace {
 
-constexpr size_t kMaxStateBytes = 1 << 20;
-constexpr double kGeneratedRadius = 10;              // m
-constexpr double kRadiusTolerance = 0.1;             // m: the beams' origins
-constexpr Duration kGeneratedDuration{320'000'000};  // three turns
-constexpr uint64_t kMinRightSweeps = 2;              // whole ones of these
+constexpr size_t kMaxStateBytes = kMaxCalibrationsBytes;  // the larger of the two files
+constexpr double kGeneratedRadius = 10;                   // m
+constexpr double kRadiusTolerance = 0.1;                  // m: the beams' origins
+constexpr Duration kGeneratedDuration{320'000'000};       // three turns
+constexpr uint64_t kMinRightSweeps = 2;                   // whole ones of these
 constexpr Stamp kGeneratedStart = Stamp::from_ns(1'700'000'000'000'000'000);
 
 ExitCode report_failure(const Error& error, ExitCode code, std::ostream& out) {

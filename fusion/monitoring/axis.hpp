@@ -6,8 +6,8 @@
 namespace infuse::monitoring {
 
 /// Axes of an evaluation: the six of a left perturbation of T_camera_lidar, the delay of the
-/// camera's stamps, and rotations and delay again with a wider step, which detects drifts beyond
-/// the range of the narrow one.
+/// camera's stamps, and rotations and delay again with wider steps, which detect drifts beyond the
+/// range of the narrow one.
 enum class Axis : uint8_t {
   kRotationX,
   kRotationY,
@@ -19,16 +19,28 @@ enum class Axis : uint8_t {
   kWideRotationX,
   kWideRotationY,
   kWideRotationZ,
-  kWideTime
+  kWideTime,
+  kFarRotationX,
+  kFarRotationY,
+  kFarRotationZ,
+  kFartherRotationX,
+  kFartherRotationY,
+  kFartherRotationZ
 };
-inline constexpr size_t kAxes = 11;
+inline constexpr size_t kAxes = 17;
 
 /// Returns the axis that a wide variant belongs to; other axes unchanged.
 constexpr Axis base_axis(Axis axis) {
   if (axis < Axis::kWideRotationX) return axis;
   if (axis == Axis::kWideTime) return Axis::kTime;
-  return static_cast<Axis>(static_cast<uint8_t>(axis) - static_cast<uint8_t>(Axis::kWideRotationX));
+  const Axis first = axis < Axis::kWideTime           ? Axis::kWideRotationX
+                     : axis < Axis::kFartherRotationX ? Axis::kFarRotationX
+                                                      : Axis::kFartherRotationX;
+  return static_cast<Axis>(static_cast<uint8_t>(axis) - static_cast<uint8_t>(first));
 }
+
+/// True for rotations whose step lies beyond the peak: they are evaluated with a blurred image.
+constexpr bool is_far(Axis axis) { return axis >= Axis::kFarRotationX; }
 
 /// Returns "rotation about x", "translation along z", "time".
 const char* name_of(Axis axis);

@@ -12,6 +12,9 @@ using geometry::Vector6;
 
 constexpr double kMaxGap = 2;                 // s; the motion during a longer gap is unknown
 constexpr double kNegligibleEvidence = 0.5;   // nats
+constexpr int kEvaluationsPerMove = 3;        // of the pose that follows a drift
+constexpr double kSignificantMove = 2;        // standard deviations: 95 %
+constexpr double kWholeStep = 0.7;            // of a step: the maximum may lie beyond it
 constexpr double kHalfInformationPeak = 0.1;  // nats; a peak of this height has information ½
 
 /// Fits the parabola through three values one step apart.
@@ -25,8 +28,9 @@ void fit_parabola(AxisEvaluation& evaluation, size_t axis, double below, double 
 }  // namespace
 
 std::optional<std::string> MonitorOptions::invalid() const {
-  if (!(rotation_step > 0) || !(wide_rotation_step > rotation_step) || !(translation_step > 0) ||
-      !(time_step > 0) || !(wide_time_step > time_step)) {
+  if (!(rotation_step > 0) || !(wide_rotation_step > rotation_step) ||
+      !(far_rotation_step > wide_rotation_step) || !(farther_rotation_step > far_rotation_step) ||
+      !(translation_step > 0) || !(time_step > 0) || !(wide_time_step > time_step)) {
     return "steps must be positive, and wide steps larger than narrow ones";
   }
   if (!(reduced_focal_length >= 20)) return "reduced_focal_length must be at least 20";
@@ -61,11 +65,15 @@ void CalibrationMonitor::set_calibration(const Eigen::Isometry3d& T_camera_lidar
   T_camera_lidar_ = T_camera_lidar;
   features::find_ring_directions(camera_, T_camera_lidar, step_, rings_);
   detector_.restart();
+  led_.reset();
   last_without_evidence_ = last_stamp_.value_or(Stamp::earliest());
 }
 
 void CalibrationMonitor::set_alternative(const std::optional<Eigen::Isometry3d>& T_camera_lidar) {
-  alternative_ = T_camera_lidar;
+  alternative_.reset();
+  if (!T_camera_lidar) return;
+  alternative_.emplace(Monitored{*T_camera_lidar, detector_, last_stamp_.value_or(Stamp())});
+  alternative_->detector.restart();  // keeps the noise
 }
 
 void CalibrationMonitor::accumulate_motion(Stamp stamp, const Motion& motion) {
@@ -98,20 +106,17 @@ const char* CalibrationMonitor::reason_to_skip(const CameraFrame& grey, const Mo
 double CalibrationMonitor::step_for(Axis axis) const {
   if (axis == Axis::kTime) return options_.time_step;
   if (axis == Axis::kWideTime) return options_.wide_time_step;
+  if (axis >= Axis::kFartherRotationX) return options_.farther_rotation_step;
+  if (is_far(axis)) return options_.far_rotation_step;
   if (axis >= Axis::kWideRotationX) return options_.wide_rotation_step;
   return axis < Axis::kTranslationX ? options_.rotation_step : options_.translation_step;
 }
 
-AxisEvaluation CalibrationMonitor::evaluate_axes(const Motion& motion, MonitorReport& report) {
-  const double centre = dependence_.evaluate(T_camera_lidar_, image_, points_, camera_);
-  report.dependence = centre;
-  if (alternative_) {
-    report.gain = centre - dependence_.evaluate(*alternative_, image_, points_, camera_);
-    report.has_gain = true;
-  }
-  AxisEvaluation evaluation;
-  double lowest = centre;
-  double highest = centre;
+CalibrationMonitor::Surroundings CalibrationMonitor::evaluate(
+    const Eigen::Isometry3d& T_camera_lidar, const Motion& motion) {
+  Surroundings around;
+  around.centre = dependence_.evaluate(T_camera_lidar, image_, points_, camera_);
+  const double coarse_centre = dependence_.evaluate(T_camera_lidar, image_, points_, camera_, true);
   for (size_t k = 0; k < kAxes; ++k) {
     const auto axis = static_cast<Axis>(k);
     const double step = step_for(axis);
@@ -124,29 +129,118 @@ AxisEvaluation CalibrationMonitor::evaluate_axes(const Motion& motion, MonitorRe
       direction(static_cast<Eigen::Index>(base_axis(axis))) = 1;
     }
     const auto evaluate_at = [&](double distance) {
-      return dependence_.evaluate(geometry::exp(distance * direction) * T_camera_lidar_, image_,
-                                  points_, camera_);
+      return dependence_.evaluate(geometry::exp(distance * direction) * T_camera_lidar, image_,
+                                  points_, camera_, is_far(axis));
     };
     const double above = evaluate_at(step);
     const double below = evaluate_at(-step);
-    fit_parabola(evaluation, k, below, centre, above, step);
-    lowest = std::min({lowest, above, below});
-    highest = std::max({highest, above, below});
+    const double centre = is_far(axis) ? coarse_centre : around.centre;
+    fit_parabola(around.axes, k, below, centre, above, step);
+    around.spread = std::max({around.spread, std::abs(above - centre), std::abs(below - centre),
+                              std::abs(above - below)});
   }
-  if (highest - lowest < options_.min_peak) {
+  return around;
+}
+
+/// Moves a second pose to where the dependence is highest, one axis at a time.
+void CalibrationMonitor::follow_drift(const Motion& motion) {
+  if (!detector_.suspected()) return led_.reset();
+  if (!led_) {
+    led_.emplace(Monitored{T_camera_lidar_, detector_, {}});
+    led_->detector.restart();
+    led_move_.setConstant(options_.wide_rotation_step);  // not known yet
+  }
+  led_->detector.add(evaluate(led_->T_camera_lidar, motion).axes);
+  if (led_->detector.evaluations_since_restart() < kEvaluationsPerMove) return;
+  Axis leading = Axis::kRotationX;
+  double most = 0;  // standard deviations
+  for (size_t k = 0; k < kAxes; ++k) {
+    const auto axis = static_cast<Axis>(k);
+    if (base_axis(axis) == Axis::kTime) continue;
+    const double sigmas = std::abs(led_->detector.offset(axis)) / led_->detector.sigma(axis);
+    if (sigmas > most) {
+      most = sigmas;
+      leading = axis;
+    }
+  }
+  led_move_.setZero();
+  led_far_ = false;
+  if (most < kSignificantMove) return;
+  const double moved = led_->detector.offset(leading);
+  led_move_(static_cast<Eigen::Index>(base_axis(leading))) = moved;
+  led_far_ = leading >= Axis::kFartherRotationX && std::abs(moved) > kWholeStep * step_for(leading);
+  led_->T_camera_lidar = geometry::exp(led_move_) * led_->T_camera_lidar;
+  led_->detector.restart();
+}
+
+/// The amount of a drift, from the pose that the dependence leads to. Before it has settled, the
+/// last move is part of the uncertainty.
+void CalibrationMonitor::state_drift(DriftVerdict& verdict) const {
+  if (!led_ || verdict.axis == Axis::kTime) return;
+  if (!led_move_.isZero() && led_->T_camera_lidar.matrix() == T_camera_lidar_.matrix()) {
+    // Nothing has moved yet: the parabolas' offsets, which may be cut off at their steps.
+    for (int k = 0; k < 6; ++k) {
+      verdict.sigma(k) = std::hypot(verdict.sigma(k), step_for(static_cast<Axis>(k)));
+    }
+    return;
+  }
+  verdict.offset = geometry::log(T_camera_lidar_ * led_->T_camera_lidar.inverse());
+  verdict.at_least = led_far_;
+  double most = 0;  // drifts that are to be detected
+  for (int k = 0; k < 6; ++k) {
+    const auto axis = static_cast<Axis>(k);
+    const double sigma = led_->detector.sigma(axis);
+    // What the measure's own bias may be, taken as two sigma.
+    const double bias = 0.5 * options_.detector.tolerated_offset[static_cast<size_t>(k)];
+    verdict.sigma(k) =
+        std::hypot(std::isfinite(sigma) ? sigma : step_for(axis), bias, led_move_(k));
+    const double drift =
+        std::abs(verdict.offset(k)) / options_.detector.drift_offset[static_cast<size_t>(k)];
+    if (drift <= most || !led_move_.isZero()) continue;
+    most = drift;
+    verdict.axis = axis;
+  }
+}
+
+/// Evaluates the selected returns.
+void CalibrationMonitor::evaluate_calibrations(const CameraFrame& grey, const SweepView& sweep,
+                                               const Motion& motion, MonitorReport& report) {
+  const Surroundings around = evaluate(T_camera_lidar_, motion);
+  report.dependence = around.centre;
+  last_evaluation_ = grey.stamp;
+  travelled_at_evaluation_ = travelled_;
+  turned_at_evaluation_ = turned_;
+  if (around.spread < options_.min_peak) {
     report.reason = "no information in this scene";
-    evaluation = {};
+    return;
   }
-  report.evaluated = *report.reason == '\0';
-  return evaluation;
+  report.evaluated = true;
+  detector_.add(around.axes);
+  ambiguity_.add(motion);
+  follow_drift(motion);
+  if (alternative_) {
+    const Surroundings other = evaluate(alternative_->T_camera_lidar, motion);
+    report.gain = around.centre - other.centre;
+    report.has_gain = true;
+    alternative_->detector.add(other.axes);
+  }
+  const double peak = around.axes.information(1) * options_.rotation_step * options_.rotation_step;
+  report.stored = scene_store_.offer(grey, sweep, points_, peak / (peak + kHalfInformationPeak),
+                                     travelled_, motion.angular_rate.norm());
 }
 
 void CalibrationMonitor::fill_report(MonitorReport& report) {
   report.verdict = detector_.verdict();
+  state_drift(report.verdict);
   report.verdict.delay_ambiguous_axis = ambiguity_.axis();
   report.verdict.set_fault(camera_check_.fault());
   if (report.verdict.evidence < kNegligibleEvidence) last_without_evidence_ = report.stamp;
   report.since = report.verdict.drifting() ? last_without_evidence_ : Stamp::earliest();
+  if (!alternative_) return;
+  const DriftVerdict other = alternative_->detector.verdict();
+  if (other.evidence < kNegligibleEvidence) alternative_->last_without_evidence = report.stamp;
+  report.alternative_drifted = other.drift == Drift::kConfirmed;
+  report.alternative_since = alternative_->last_without_evidence;
 }
 
 MonitorReport CalibrationMonitor::process(const CameraFrame& grey, const SweepView& sweep,
@@ -159,19 +253,7 @@ MonitorReport CalibrationMonitor::process(const CameraFrame& grey, const SweepVi
     if (points_.size() < options_.min_points) {
       report.reason = "too few returns in view";
     } else {
-      const AxisEvaluation evaluation = evaluate_axes(motion, report);
-      last_evaluation_ = grey.stamp;
-      travelled_at_evaluation_ = travelled_;
-      turned_at_evaluation_ = turned_;
-      if (report.evaluated) {
-        detector_.add(evaluation);
-        ambiguity_.add(motion);
-        const double peak =
-            evaluation.information(1) * options_.rotation_step * options_.rotation_step;
-        report.stored =
-            scene_store_.offer(grey, sweep, points_, peak / (peak + kHalfInformationPeak),
-                               travelled_, motion.angular_rate.norm());
-      }
+      evaluate_calibrations(grey, sweep, motion, report);
     }
   }
   fill_report(report);

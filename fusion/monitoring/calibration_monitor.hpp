@@ -13,16 +13,18 @@ namespace infuse::monitoring {
 
 /// Settings of the monitoring of one camera.
 struct MonitorOptions {
-  double rotation_step = 8.7e-3;      ///< rad; step around the calibration for the evaluation
-  double wide_rotation_step = 0.026;  ///< rad; the same for the wide evaluation
-  double translation_step = 0.06;     ///< m; the same for translations
-  double time_step = 0.08;            ///< s; the same for the delay of the camera's stamps
-  double wide_time_step = 0.2;        ///< s; the same for the wide evaluation
-  double reduced_focal_length = 300;  ///< focal length of the reduced image, samples
-  size_t max_points = 8000;           ///< maximum number of returns of an evaluation
-  size_t min_points = 500;            ///< minimum number of returns of an evaluation
-  double min_interval = 0.38;         ///< s; minimum time between evaluations
-  double min_distance = 1.5;          ///< m driven, or
+  double rotation_step = 8.7e-3;         ///< rad; step around the calibration for the evaluation
+  double wide_rotation_step = 0.026;     ///< rad; the same for the wide evaluation
+  double far_rotation_step = 0.0524;     ///< rad; the same with a blurred image
+  double farther_rotation_step = 0.105;  ///< rad; the same, twice as far
+  double translation_step = 0.06;        ///< m; the same for translations
+  double time_step = 0.08;               ///< s; the same for the delay of the camera's stamps
+  double wide_time_step = 0.2;           ///< s; the same for the wide evaluation
+  double reduced_focal_length = 300;     ///< focal length of the reduced image, samples
+  size_t max_points = 8000;              ///< maximum number of returns of an evaluation
+  size_t min_points = 500;               ///< minimum number of returns of an evaluation
+  double min_interval = 0.38;            ///< s; minimum time between evaluations
+  double min_distance = 1.5;             ///< m driven, or
   double min_rotation = 0.1;  ///< rad turned between evaluations: each place is evaluated once
   double min_peak = 4e-3;  ///< nats; minimum difference between the largest and the smallest value
   MonitorDependence::Weights weights;
@@ -44,6 +46,8 @@ struct MonitorReport {
   /// Nats; `dependence` minus that at the alternative (`set_alternative`).
   double gain = 0;
   bool has_gain = false;
+  bool alternative_drifted = false;  ///< a drift of the alternative itself is confirmed
+  Stamp alternative_since;           ///< earliest begin of that
   Stamp since;  ///< earliest begin of the drift: last stamp without evidence; `earliest` without a
                 ///< drift
   bool stored = false;  ///< true if the scene store keeps the scene
@@ -56,6 +60,9 @@ struct MonitorReport {
 /// step to both sides along every `Axis`: three rotations, three translations, the delay of the
 /// camera (the motion meanwhile), and rotations and delay with a wider step. `DriftDetector`
 /// accumulates the parabolas through these values.
+///
+/// While a drift is suspected, a second pose follows the dependence in steps of every width until
+/// nothing leads it on: its distance from the calibration is the amount of the drift.
 class CalibrationMonitor {
  public:
   /// `options.invalid()` and `camera.invalid()` must be empty.
@@ -73,8 +80,8 @@ class CalibrationMonitor {
     T_camera_lidar_ = T_camera_lidar;
   }
 
-  /// Sets another calibration that each evaluation is compared with (`MonitorReport::gain`), or
-  /// none.
+  /// Sets another calibration that is monitored with the same images, and that each evaluation is
+  /// compared with (`MonitorReport::gain`); or none.
   void set_alternative(const std::optional<Eigen::Isometry3d>& T_camera_lidar);
 
   const Eigen::Isometry3d& T_camera_lidar() const { return T_camera_lidar_; }
@@ -85,7 +92,23 @@ class CalibrationMonitor {
 
  private:
   const char* reason_to_skip(const CameraFrame& grey, const Motion& motion);
-  AxisEvaluation evaluate_axes(const Motion& motion, MonitorReport& report);
+  /// A calibration, and the evidence against it.
+  struct Monitored {
+    Eigen::Isometry3d T_camera_lidar;
+    DriftDetector detector;
+    Stamp last_without_evidence;
+  };
+  /// Dependence around a calibration.
+  struct Surroundings {
+    AxisEvaluation axes;
+    double centre = 0;  // nats
+    double spread = 0;  // nats, the largest difference along an axis
+  };
+  Surroundings evaluate(const Eigen::Isometry3d& T_camera_lidar, const Motion& motion);
+  void follow_drift(const Motion& motion);
+  void state_drift(DriftVerdict& verdict) const;
+  void evaluate_calibrations(const CameraFrame& grey, const SweepView& sweep, const Motion& motion,
+                             MonitorReport& report);
   double step_for(Axis axis) const;
   void fill_report(MonitorReport& report);
   void accumulate_motion(Stamp stamp, const Motion& motion);
@@ -94,7 +117,11 @@ class CalibrationMonitor {
   geometry::CameraModel camera_;
   int step_;
   Eigen::Isometry3d T_camera_lidar_;
-  std::optional<Eigen::Isometry3d> alternative_;
+  std::optional<Monitored> alternative_;
+  std::optional<Monitored> led_;  // where the dependence leads to, while a drift is suspected
+  geometry::Vector6 led_move_ =
+      geometry::Vector6::Zero();  // its last move; zero: nothing leads it on
+  bool led_far_ = false;          // that was the farthest step
   features::RingDirections rings_;
   MonitorImage image_;
   MonitorPoints points_;

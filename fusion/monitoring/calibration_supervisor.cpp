@@ -1,17 +1,11 @@
 #include "fusion/monitoring/calibration_supervisor.hpp"
 
-#include <array>
+#include <algorithm>
 #include <utility>
 
 #include "fusion/monitoring/format_text.hpp"
 
 namespace infuse::monitoring {
-
-const char* name_of(CalibrationState state) {
-  constexpr std::array<const char*, 7> kNames = {
-      "OK", "MONITORING", "SUSPECTED", "CONFIRMED", "RECALIBRATING", "RECALIBRATED", "UNUSABLE"};
-  return kNames[static_cast<size_t>(state)];
-}
 
 std::optional<std::string> SupervisorOptions::invalid() const {
   if (!(limit_rotation > 0) || !(limit_translation > 0)) return "limits must be positive";
@@ -38,7 +32,10 @@ void CalibrationSupervisor::add_history(Stamp stamp, std::string what) {
   history_.push_back({stamp, state_, current_, std::move(what)});
 }
 
-void CalibrationSupervisor::finish_reestimation(const Reestimate& result) { result_ = result; }
+void CalibrationSupervisor::finish_reestimation(const Reestimate& result) {
+  const bool same = result.T_initial.matrix() == current_.matrix();
+  if (reestimating() && same) result_ = result;
+}
 
 bool CalibrationSupervisor::policy_allows(const Reestimate& result) const {
   if (frozen_ || options_.policy == UpdatePolicy::kAlertOnly) return false;
@@ -48,188 +45,200 @@ bool CalibrationSupervisor::policy_allows(const Reestimate& result) const {
          moved.tail<3>().norm() <= options_.limit_translation;
 }
 
-void CalibrationSupervisor::set_current(const Eigen::Isometry3d& T, Stamp stamp,
-                                        const std::string& what, SupervisorActions& actions) {
-  previous_ = current_;
+std::optional<Eigen::Isometry3d> CalibrationSupervisor::alternative() const {
+  if (before_) return before_;
+  if (proposal_) return proposal_->T_camera_lidar;
+  return std::nullopt;
+}
+
+void CalibrationSupervisor::set_current(const Eigen::Isometry3d& T,
+                                        const std::optional<geometry::Matrix6>& covariance,
+                                        SupervisorActions& actions) {
+  before_ = current_;
   current_ = T;
+  covariance_ = covariance;
+  requested_ = false;
+  gain_sum_ = gain_count_ = 0;
+  moved_again_ = Stamp::earliest();
   actions.calibration_changed = true;
-  add_history(stamp, what);
 }
 
-void CalibrationSupervisor::revert_to_previous(Stamp stamp, const std::string& cause,
-                                               SupervisorActions& actions) {
-  if (!previous_) return;
-  alternative_.reset();
-  actions.alternative_changed = true;
-  covariance_.reset();
-  state_ = CalibrationState::kSuspected;
-  set_current(Eigen::Isometry3d(*previous_), stamp, "rolled back: " + cause, actions);
-  next_retry_ = stamp + from_seconds(options_.retry_interval);
-}
-
-/// Cancels the running re-estimation, if any.
-void CalibrationSupervisor::cancel_reestimation(SupervisorActions& actions) {
-  if (!std::exchange(reestimating_, false)) return;
-  result_.reset();
-  actions.cancel_reestimation = true;
-  if (state_ == CalibrationState::kRecalibrating) state_ = CalibrationState::kConfirmed;
-}
-
-/// Applies the owner's requests.
-void CalibrationSupervisor::apply_requests(const MonitorReport& report,
-                                           SupervisorActions& actions) {
-  if (frozen_requested_) {
-    frozen_ = *std::exchange(frozen_requested_, std::nullopt);
-    if (frozen_) cancel_reestimation(actions);
+/// Performs the transition of an event.
+void CalibrationSupervisor::apply(CalibrationEvent event, Stamp stamp, const Subject& subject,
+                                  SupervisorActions& actions) {
+  const CalibrationTransition done = transition(state_, event);
+  if (done.does(kCancel) && reestimating()) actions.cancel_reestimation = true;
+  if (done.does(kCancel)) result_.reset();
+  if (done.does(kWithdraw)) proposal_.reset();
+  if (done.does(kForgetFailures)) failures_ = 0;
+  if (done.does(kWant)) requested_ = true;
+  if (done.does(kPropose)) proposal_ = *subject.result;
+  if (done.does(kStart)) {
+    requested_ = false;
+    reestimation_started_ = stamp;
+    actions.start_reestimation = true;
   }
-  if (std::exchange(roll_back_requested_, false)) {
-    cancel_reestimation(actions);
-    revert_to_previous(report.stamp, "requested", actions);
+  if (done.does(kUse)) set_current(subject.T_camera_lidar, subject.covariance, actions);
+  if (done.does(kRevert)) {
+    set_current(Eigen::Isometry3d(*before_), std::nullopt, actions);
+    next_retry_ = stamp + from_seconds(options_.retry_interval);
   }
-  if (std::exchange(apply_requested_, false) && proposal_) {
-    cancel_reestimation(actions);
-    state_ = CalibrationState::kRecalibrated;
-    alternative_ = current_;
-    actions.alternative_changed = true;
-    covariance_ = proposal_->covariance;
-    set_current(Eigen::Isometry3d(proposal_->T_camera_lidar), report.stamp, "applied: requested",
-                actions);
-    proposal_.reset();
-    gain_sum_ = gain_count_ = 0;
-  }
+  if (done.does(kRestartEvidence)) actions.calibration_changed = true;
+  if (done.state == CalibrationState::kConfirmed && state_ != done.state) confirmed_since_ = stamp;
+  state_ = done.state;
+  if (state_ != CalibrationState::kRecalibrated) before_.reset();
+  if (state_ == CalibrationState::kOk || done.does(kUse)) drift_noted_ = false;
+  if (!done.does(kNote) || (event == CalibrationEvent::kConfirmed && drift_noted_)) return;
+  drift_noted_ = drift_noted_ || event == CalibrationEvent::kConfirmed;
+  add_history(stamp, subject.what);
 }
 
-void CalibrationSupervisor::update_state(const MonitorReport& report, SupervisorActions& actions) {
-  const DriftVerdict& verdict = report.verdict;
+/// Performs a change and returns what it did.
+template <class Change>
+SupervisorActions CalibrationSupervisor::act(Change change) {
+  SupervisorActions actions;
   const CalibrationState before = state_;
-  const bool at_fault = verdict.fault != CameraFault::kNone;
-  if (at_fault) cancel_reestimation(actions);
-  switch (state_) {
-    case CalibrationState::kRecalibrating:
-    case CalibrationState::kRecalibrated:
-      if (at_fault) state_ = CalibrationState::kUnusable;
-      break;
-    case CalibrationState::kUnusable:
-      if (at_fault || failures_ >= options_.max_failures) break;
-      state_ = CalibrationState::kMonitoring;
-      [[fallthrough]];
-    default:
-      if (at_fault) {
-        state_ = CalibrationState::kUnusable;
-      } else if (verdict.drift == Drift::kConfirmed) {
-        state_ = CalibrationState::kConfirmed;
-      } else if (verdict.drift == Drift::kSuspected) {
-        // A confirmed drift stays confirmed until the evidence is gone.
-        if (state_ != CalibrationState::kConfirmed) state_ = CalibrationState::kSuspected;
-      } else if (verdict.drift == Drift::kHolds) {
-        if (verdict.evidence < 1 || state_ == CalibrationState::kMonitoring) {
-          state_ = CalibrationState::kOk;
-        }
-      } else {
-        state_ = CalibrationState::kMonitoring;
-      }
-  }
-  if (state_ == before) return;
-  if (state_ == CalibrationState::kConfirmed) {
-    confirmed_since_ = report.stamp;
-    add_history(report.stamp, "drift confirmed: " + describe_drift(verdict));
-  }
-  if (state_ == CalibrationState::kUnusable) {
-    add_history(report.stamp,
-                std::string("the camera has a fault: ") + name_of(verdict.fault) +
-                    (verdict.fault == CameraFault::kLate ? ": " + describe_drift(verdict) : ""));
-  }
+  const std::optional<Eigen::Isometry3d> other = alternative();
+  change(actions);
+  const std::optional<Eigen::Isometry3d> now = alternative();
+  actions.state = state_;
+  actions.state_changed = state_ != before;
+  actions.alternative_changed =
+      now.has_value() != other.has_value() || (now && now->matrix() != other->matrix());
+  return actions;
 }
 
-void CalibrationSupervisor::start_reestimation_if_due(const MonitorReport& report, size_t scenes,
-                                                      SupervisorActions& actions) {
-  const bool wanted = recalibration_requested_ ||
-                      (state_ == CalibrationState::kConfirmed && !proposal_ && !frozen_);
-  const bool timed_out = state_ == CalibrationState::kConfirmed &&
-                         report.stamp - confirmed_since_ >= from_seconds(options_.scene_timeout);
-  const size_t min_scenes = timed_out ? options_.min_scenes_after_timeout : options_.min_scenes;
-  if (!wanted || reestimating_ || state_ == CalibrationState::kUnusable || scenes < min_scenes ||
-      report.stamp < next_retry_) {
-    return;
-  }
-  recalibration_requested_ = false;
-  reestimating_ = true;
-  reestimation_started_ = report.stamp;
-  state_ = CalibrationState::kRecalibrating;
-  actions.start_reestimation = true;
-  actions.scenes_since = report.since;
+SupervisorActions CalibrationSupervisor::request_recalibration(Stamp stamp) {
+  return act([&](SupervisorActions& actions) {
+    apply(CalibrationEvent::kOwnerRecalibrates, stamp, {}, actions);
+    next_retry_ = std::min(next_retry_, stamp);
+  });
 }
 
-void CalibrationSupervisor::use_result_if_due(const MonitorReport& report,
-                                              SupervisorActions& actions) {
-  if (!reestimating_ || !result_ ||
-      report.stamp < reestimation_started_ + from_seconds(options_.result_delay))
-    return;
-  const Reestimate result = *std::exchange(result_, std::nullopt);
-  reestimating_ = false;
-  next_retry_ = report.stamp + from_seconds(options_.retry_interval);
-  if (!result.usable()) {
-    ++failures_;
-    state_ = failures_ >= options_.max_failures ? CalibrationState::kUnusable
-                                                : CalibrationState::kConfirmed;
-    add_history(report.stamp, "not re-estimated: " + result.reason);
-  } else if (result.moved < options_.min_moved) {
-    failures_ = 0;
-    state_ = CalibrationState::kOk;
-    actions.calibration_changed = true;  // restarts the evidence
-    add_history(report.stamp,
-                format_text("re-estimated: not moved significantly (%.1f sigma)", result.moved));
-  } else if (policy_allows(result)) {
-    failures_ = 0;
-    state_ = CalibrationState::kRecalibrated;
-    alternative_ = current_;
-    actions.alternative_changed = true;
-    covariance_ = result.covariance;
-    gain_sum_ = gain_count_ = 0;
-    set_current(
-        result.T_camera_lidar, report.stamp,
-        format_text("applied: moved by %.1f sigma, %zu scenes", result.moved, result.scenes),
-        actions);
-  } else {
-    failures_ = 0;
-    state_ = CalibrationState::kConfirmed;
-    proposal_ = result;
-    add_history(report.stamp, "proposed: the policy does not apply it");
-  }
+SupervisorActions CalibrationSupervisor::use(const OwnerCalibration& calibration, Stamp stamp) {
+  return act([&](SupervisorActions& actions) {
+    const bool back = calibration.rolls_back;
+    apply(back ? CalibrationEvent::kOwnerRollsBack : CalibrationEvent::kOwnerApplies, stamp,
+          {.what = back ? "rolled back: requested" : "applied: requested",
+           .T_camera_lidar = calibration.T_camera_lidar,
+           .covariance = calibration.covariance},
+          actions);
+    if (frozen_) apply(CalibrationEvent::kOwnerFreezes, stamp, {}, actions);  // no probation
+    if (back) next_retry_ = stamp + from_seconds(options_.retry_interval);
+  });
+}
+
+SupervisorActions CalibrationSupervisor::freeze(bool frozen, Stamp stamp) {
+  return act([&](SupervisorActions& actions) {
+    frozen_ = frozen;
+    if (frozen) apply(CalibrationEvent::kOwnerFreezes, stamp, {}, actions);
+  });
 }
 
 void CalibrationSupervisor::check_probation(const MonitorReport& report,
                                             SupervisorActions& actions) {
-  if (state_ != CalibrationState::kRecalibrated || !report.has_gain || !report.evaluated) return;
+  if (!before_ || !report.has_gain || !report.evaluated) return;
   gain_sum_ += report.gain;
   ++gain_count_;
   if (gain_count_ < options_.probation_evaluations) return;
-  if (gain_sum_ <= 0) {
-    revert_to_previous(report.stamp, "following scenes fit the old calibration better", actions);
-    return;
+  if (gain_sum_ > 0) {
+    return apply(CalibrationEvent::kProbationPassed, report.stamp,
+                 {.what = "confirmed by following scenes"}, actions);
   }
-  alternative_.reset();
-  actions.alternative_changed = true;
-  state_ = CalibrationState::kOk;
-  add_history(report.stamp, "confirmed by following scenes");
+  apply(CalibrationEvent::kProbationFailed, report.stamp,
+        {.what = "rolled back: following scenes fit the old calibration better"}, actions);
+}
+
+void CalibrationSupervisor::check_proposal(const MonitorReport& report,
+                                           SupervisorActions& actions) {
+  if (before_ || !proposal_ || !report.alternative_drifted) return;
+  moved_again_ = report.alternative_since;
+  apply(CalibrationEvent::kProposalOutdated, report.stamp,
+        {.what = "proposal withdrawn: following scenes contradict it"}, actions);
+}
+
+CalibrationEvent CalibrationSupervisor::event_of(const Reestimate& result) {
+  if (!result.usable()) {
+    ++failures_;
+    return failures_ >= options_.max_failures ? CalibrationEvent::kResultFailedLast
+                                              : CalibrationEvent::kResultFailed;
+  }
+  if (result.moved < options_.min_moved) return CalibrationEvent::kResultUnmoved;
+  return policy_allows(result) ? CalibrationEvent::kResultAllowed
+                               : CalibrationEvent::kResultProposed;
+}
+
+void CalibrationSupervisor::use_result_if_due(const MonitorReport& report,
+                                              SupervisorActions& actions) {
+  if (!result_ || report.stamp < reestimation_started_ + from_seconds(options_.result_delay))
+    return;
+  const Reestimate result = *std::exchange(result_, std::nullopt);
+  next_retry_ = report.stamp + from_seconds(options_.retry_interval);
+  const CalibrationEvent event = event_of(result);
+  std::string what = "not re-estimated: " + result.reason;
+  if (event == CalibrationEvent::kResultUnmoved) {
+    what = format_text("re-estimated: not moved significantly (%.1f sigma)", result.moved);
+  } else if (event == CalibrationEvent::kResultAllowed) {
+    what = format_text("applied: moved by %.1f sigma, %zu scenes", result.moved, result.scenes);
+  } else if (event == CalibrationEvent::kResultProposed) {
+    what = "proposed: the policy does not apply it";
+  }
+  apply(event, report.stamp, {what, result.T_camera_lidar, result.covariance, &result}, actions);
+}
+
+/// Follows what the image says of the calibration in use.
+void CalibrationSupervisor::observe(const MonitorReport& report, SupervisorActions& actions) {
+  constexpr double kNegligibleEvidence = 1;  // nats: odds of e
+  const DriftVerdict& verdict = report.verdict;
+  if (verdict.fault != CameraFault::kNone) {
+    std::string what = std::string("the camera has a fault: ") + name_of(verdict.fault);
+    if (verdict.fault == CameraFault::kLate) what += ": " + describe_drift(verdict);
+    return apply(CalibrationEvent::kFault, report.stamp, {.what = what}, actions);
+  }
+  if (failures_ >= options_.max_failures) {
+    return apply(CalibrationEvent::kGivenUp, report.stamp, {}, actions);
+  }
+  switch (verdict.drift) {
+    case Drift::kLearning:
+      return apply(CalibrationEvent::kLearning, report.stamp, {}, actions);
+    case Drift::kHolds:
+      return apply(verdict.evidence < kNegligibleEvidence ? CalibrationEvent::kHolds
+                                                          : CalibrationEvent::kDoubted,
+                   report.stamp, {}, actions);
+    case Drift::kSuspected:
+      return apply(CalibrationEvent::kSuspected, report.stamp, {}, actions);
+    case Drift::kConfirmed:
+      return apply(CalibrationEvent::kConfirmed, report.stamp,
+                   {.what = "drift confirmed: " + describe_drift(verdict)}, actions);
+  }
+}
+
+size_t CalibrationSupervisor::needed_scenes(Stamp stamp) const {
+  const bool timed_out = state_ == CalibrationState::kConfirmed &&
+                         stamp - confirmed_since_ >= from_seconds(options_.scene_timeout);
+  return timed_out ? options_.min_scenes_after_timeout : options_.min_scenes;
+}
+
+void CalibrationSupervisor::start_reestimation_if_due(const MonitorReport& report, size_t scenes,
+                                                      SupervisorActions& actions) {
+  const bool wanted =
+      requested_ || (state_ == CalibrationState::kConfirmed && !proposal_ && !frozen_);
+  if (!wanted || scenes < needed_scenes(report.stamp) || report.stamp < next_retry_) return;
+  actions.scenes_since = scenes_since(report);
+  apply(CalibrationEvent::kScenesReady, report.stamp, {}, actions);
 }
 
 SupervisorActions CalibrationSupervisor::process(const MonitorReport& report, size_t scenes) {
-  SupervisorActions actions;
-  const CalibrationState before = state_;
-  apply_requests(report, actions);
-  check_probation(report, actions);
-  // A report from before the change does not apply to the new calibration.
-  if (!actions.calibration_changed) {
+  return act([&](SupervisorActions& actions) {
+    check_probation(report, actions);
+    check_proposal(report, actions);
+    // A report from before the change does not apply to the new calibration.
+    if (actions.calibration_changed) return;
     use_result_if_due(report, actions);
-    if (!actions.calibration_changed) {
-      update_state(report, actions);
-      start_reestimation_if_due(report, scenes, actions);
-    }
-  }
-  actions.state = state_;
-  actions.state_changed = state_ != before;
-  return actions;
+    if (actions.calibration_changed) return;
+    observe(report, actions);
+    start_reestimation_if_due(report, scenes, actions);
+  });
 }
 
 }  // namespace infuse::monitoring

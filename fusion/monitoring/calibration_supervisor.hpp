@@ -1,34 +1,15 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "fusion/monitoring/calibration_monitor.hpp"
+#include "fusion/monitoring/calibration_states.hpp"
 #include "fusion/monitoring/reestimate.hpp"
 
 namespace infuse::monitoring {
-
-/// State of a calibration.
-enum class CalibrationState : uint8_t {
-  kOk,
-  kMonitoring,     ///< too few evaluations so far
-  kSuspected,      ///< evidence for a drift, below the confirmation threshold
-  kConfirmed,      ///< drift; a re-estimation waits for scenes, or its result for the owner
-  kRecalibrating,  ///< a re-estimation runs
-  kRecalibrated,   ///< a new calibration is in use and on probation
-  kUnusable,       ///< the camera has a fault, or re-estimations keep failing: do not use it
-};
-
-/// "OK", "MONITORING" …
-const char* name_of(CalibrationState state);
-
-/// Use of a re-estimated calibration.
-enum class UpdatePolicy : uint8_t {
-  kAlertOnly,    ///< proposed; the owner applies it
-  kApply,        ///< applied
-  kApplyWithin,  ///< applied if it moved by less than the limits, otherwise proposed
-};
 
 /// Settings of the supervisor.
 struct SupervisorOptions {
@@ -72,86 +53,120 @@ struct SupervisorActions {
   bool calibration_changed =
       false;  ///< `current()` changed: pass it on to the monitor and publish it
   bool alternative_changed = false;  ///< `alternative()` changed: pass it on to the monitor
+
+  /// True if there is something to publish.
+  bool changed() const { return state_changed || calibration_changed || alternative_changed; }
 };
 
-/// State machine of one camera's calibration, in drive time, deterministic. Consumes reports and
-/// results of re-estimations and returns the actions to perform; has no side effects.
+/// A calibration that the owner puts into use.
+struct OwnerCalibration {
+  Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();
+  std::optional<geometry::Matrix6> covariance;  ///< of an estimate
+  bool rolls_back = false;                      ///< it was in use before; without probation
+};
+
+/// State machine of one camera's calibration, in drive time, deterministic. Consumes reports,
+/// results of re-estimations and requests of the owner, makes events of them (`transition` has the
+/// table) and returns the actions to perform; has no side effects.
 ///
-/// OK ⇄ SUSPECTED ⇄ CONFIRMED by the monitor's evidence; CONFIRMED → RECALIBRATING once enough
-/// scenes are stored since the earliest begin of the drift; a usable result is proposed or applied
-/// (policy). On probation after that, the old calibration is the alternative that every evaluation
-/// is compared with: if the dependence on following scenes is not higher than with the old one, the
-/// new one is rolled back. With a camera fault the state is UNUSABLE and nothing is re-estimated.
+/// A re-estimation is wanted when a drift is confirmed and no proposal waits, or when the owner
+/// requests it, and starts once enough scenes are stored since the earliest begin of the drift. A
+/// usable result is proposed or applied (policy). A proposal is monitored as the calibration in use
+/// is: it is withdrawn when it has drifted too, when the calibration in use turns out to hold, and
+/// when another takes its place. On probation, the calibration before is the alternative that every
+/// evaluation is compared with: if the dependence on following scenes is not higher than with that
+/// one, it is put back into use.
 class CalibrationSupervisor {
  public:
   /// `options.invalid()` must be empty.
   CalibrationSupervisor(const Eigen::Isometry3d& T_camera_lidar, const SupervisorOptions& options);
 
-  /// Processes the report of an image. `scenes`: number of stored scenes since `report.since`.
+  /// Processes the report of an image. `scenes`: number of stored scenes since `scenes_since`.
   SupervisorActions process(const MonitorReport& report, size_t scenes);
 
+  /// Stamp since which scenes show the present pose of the camera.
+  Stamp scenes_since(const MonitorReport& report) const {
+    return std::max(report.since, moved_again_);
+  }
+
   /// Hands over the result of the re-estimation that was started; the first `process` at least
-  /// `result_delay` after the start uses it.
+  /// `result_delay` after the start uses it. A result for another calibration than the one in use
+  /// is ignored.
   void finish_reestimation(const Reestimate& result);
 
-  /// Requests a re-estimation. Requests of the owner take effect with the next `process`.
-  void request_recalibration() { recalibration_requested_ = true; }
-  /// Requests that the proposal is applied, if there is one.
-  void request_apply() { apply_requested_ = true; }
-  /// Requests the previous calibration.
-  void request_roll_back() { roll_back_requested_ = true; }
-  /// Freezes the calibration: nothing is applied or re-estimated, and a running re-estimation is
-  /// cancelled; monitoring goes on. The owner can still request a re-estimation, which is then
-  /// proposed.
-  void set_frozen(bool frozen) { frozen_requested_ = frozen; }
+  // Requests of the owner; they take effect at once.
+
+  /// Requests a re-estimation: as soon as there are scenes, no probation runs and the camera has no
+  /// fault. After failures they are tried again.
+  SupervisorActions request_recalibration(Stamp stamp);
+  /// Puts a calibration into use.
+  SupervisorActions use(const OwnerCalibration& calibration, Stamp stamp);
+  /// Freezes the calibration: nothing is applied, re-estimated or put back, and a running
+  /// re-estimation is cancelled; monitoring goes on. The owner can still request a re-estimation,
+  /// which is then proposed.
+  SupervisorActions freeze(bool frozen, Stamp stamp);
 
   CalibrationState state() const { return state_; }
   const Eigen::Isometry3d& current() const { return current_; }
-  const std::optional<Eigen::Isometry3d>& alternative() const { return alternative_; }
-  /// True if there is a calibration before the current one.
-  bool can_roll_back() const { return previous_.has_value(); }
+  /// Calibration that is monitored beside the current one: the one before, on probation; otherwise
+  /// the proposal.
+  std::optional<Eigen::Isometry3d> alternative() const;
   /// Usable result that is not applied.
   const std::optional<Reestimate>& proposal() const { return proposal_; }
   /// Covariance of the current calibration, if it was re-estimated.
   const std::optional<geometry::Matrix6>& covariance() const { return covariance_; }
   bool frozen() const { return frozen_; }
+  /// True if the owner has requested a re-estimation that has not started.
+  bool recalibration_requested() const { return requested_; }
   /// True if a re-estimation was started and its result is not used yet.
-  bool reestimating() const { return reestimating_; }
+  bool reestimating() const { return state_ == CalibrationState::kRecalibrating; }
+  /// Number of scenes that the next re-estimation needs at a stamp.
+  size_t needed_scenes(Stamp stamp) const;
   /// Events, oldest first.
   const std::vector<HistoryEntry>& history() const { return history_; }
 
  private:
-  void apply_requests(const MonitorReport& report, SupervisorActions& actions);
-  void update_state(const MonitorReport& report, SupervisorActions& actions);
+  /// The calibration that an event brings, and what the history says of it.
+  struct Subject {
+    std::string what;
+    Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();
+    std::optional<geometry::Matrix6> covariance;
+    const Reestimate* result = nullptr;
+  };
+
+  void apply(CalibrationEvent event, Stamp stamp, const Subject& subject,
+             SupervisorActions& actions);
+  void set_current(const Eigen::Isometry3d& T, const std::optional<geometry::Matrix6>& covariance,
+                   SupervisorActions& actions);
+  template <class Change>
+  SupervisorActions act(Change change);
+  void check_probation(const MonitorReport& report, SupervisorActions& actions);
+  void check_proposal(const MonitorReport& report, SupervisorActions& actions);
+  void use_result_if_due(const MonitorReport& report, SupervisorActions& actions);
+  CalibrationEvent event_of(const Reestimate& result);
+  void observe(const MonitorReport& report, SupervisorActions& actions);
   void start_reestimation_if_due(const MonitorReport& report, size_t scenes,
                                  SupervisorActions& actions);
-  void use_result_if_due(const MonitorReport& report, SupervisorActions& actions);
-  void check_probation(const MonitorReport& report, SupervisorActions& actions);
-  void set_current(const Eigen::Isometry3d& T, Stamp stamp, const std::string& what,
-                   SupervisorActions& actions);
-  void cancel_reestimation(SupervisorActions& actions);
-  void revert_to_previous(Stamp stamp, const std::string& cause, SupervisorActions& actions);
   bool policy_allows(const Reestimate& result) const;
   void add_history(Stamp stamp, std::string what);
 
   SupervisorOptions options_;
   CalibrationState state_ = CalibrationState::kMonitoring;
   Eigen::Isometry3d current_;
-  std::optional<Eigen::Isometry3d> alternative_;  // previous calibration, on probation
-  std::optional<Eigen::Isometry3d> previous_;     // previous calibration, for the owner
+  std::optional<Eigen::Isometry3d> before_;  // the one before, on probation
   std::optional<geometry::Matrix6> covariance_;
   std::optional<Reestimate> proposal_;
   std::optional<Reestimate> result_;  // not used yet
-  bool reestimating_ = false;
   Stamp reestimation_started_;
   Stamp next_retry_ = Stamp::earliest();
-  Stamp confirmed_since_;  // stamp of the confirmation
+  Stamp confirmed_since_;                  // stamp of the confirmation
+  Stamp moved_again_ = Stamp::earliest();  // after the drift that the last proposal answered
   int failures_ = 0;
   double gain_sum_ = 0;
   int gain_count_ = 0;
-  bool recalibration_requested_ = false, apply_requested_ = false, roll_back_requested_ = false;
-  std::optional<bool> frozen_requested_;
+  bool requested_ = false;
   bool frozen_ = false;
+  bool drift_noted_ = false;
   std::vector<HistoryEntry> history_;
 };
 

@@ -103,9 +103,11 @@ void DriftDetector::add(const AxisEvaluation& evaluation) {
     step(state.negative, -1);
   }
   ++evaluations_;
+  ++since_restart_;
 }
 
 void DriftDetector::restart() {
+  since_restart_ = 0;
   for (AxisState& state : axes_) {
     state.positive = state.negative = {};
     state.overall = {};
@@ -161,6 +163,14 @@ DriftVerdict DriftDetector::verdict() const {
                                 : Drift::kHolds;
   verdict.axis = base_axis(strongest_axis());
   verdict.evidence = evidence(strongest_axis());
+  for (size_t k = 0; k < kAxes; ++k) {
+    const Axis other = base_axis(static_cast<Axis>(k));
+    if (other == verdict.axis || evidence(static_cast<Axis>(k)) <= verdict.runner_up_evidence) {
+      continue;
+    }
+    verdict.runner_up = other;
+    verdict.runner_up_evidence = evidence(static_cast<Axis>(k));
+  }
   verdict.threshold = confirmation_threshold_;
   for (int k = 0; k < 6; ++k) {
     // The maximum lies at +d: the present calibration is off by −d.

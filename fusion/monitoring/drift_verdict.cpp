@@ -1,5 +1,7 @@
 #include "fusion/monitoring/drift_verdict.hpp"
 
+#include <cmath>
+
 #include "drivers/measurement/angles.hpp"
 #include "fusion/monitoring/format_text.hpp"
 
@@ -18,9 +20,12 @@ std::string describe_offset(const DriftVerdict& verdict) {
   const auto k = static_cast<Eigen::Index>(verdict.axis);
   const bool rotation = verdict.axis <= Axis::kRotationZ;
   const double factor = rotation ? 1 / kDegree : 100;
-  std::string text =
-      format_text("%s, by %+.2f ± %.2f %s", name_of(verdict.axis), verdict.offset(k) * factor,
-                  verdict.sigma(k) * factor, rotation ? "°" : "cm");
+  const char* unit = rotation ? "°" : "cm";
+  std::string text = verdict.at_least
+                         ? format_text("%s, by at least %+.1f %s", name_of(verdict.axis),
+                                       verdict.offset(k) * factor, unit)
+                         : format_text("%s, by %+.2f ± %.2f %s", name_of(verdict.axis),
+                                       verdict.offset(k) * factor, verdict.sigma(k) * factor, unit);
   if (verdict.delay_ambiguous_axis == verdict.axis) {
     text += " (or late stamps: not separable for this motion)";
   }
@@ -35,7 +40,14 @@ void DriftVerdict::set_fault(CameraFault observed) {
 }
 
 std::string describe_drift(const DriftVerdict& verdict) {
-  return describe_offset(verdict) +
+  // Odds of 20 : 1 decide at 95 %.
+  constexpr double kDecided = 3;  // nats
+  const double odds = verdict.evidence - verdict.runner_up_evidence;
+  std::string other;
+  if (verdict.runner_up_evidence > 0 && odds < kDecided && verdict.runner_up != verdict.axis) {
+    other = format_text(", or %s (odds %.0f : 1)", name_of(verdict.runner_up), std::exp(odds));
+  }
+  return describe_offset(verdict) + other +
          format_text(" (evidence %.1f of %.1f nats)", verdict.evidence, verdict.threshold);
 }
 

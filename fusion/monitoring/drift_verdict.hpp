@@ -21,14 +21,17 @@ enum class Drift : uint8_t {
 /// Verdict on a calibration: the one type from the detector to the reports.
 struct DriftVerdict {
   Drift drift = Drift::kLearning;
-  Axis axis = Axis::kRotationX;  ///< axis with the most evidence, not a wide variant
-  double evidence = 0;           ///< nats, along that axis
-  double threshold = 0;          ///< nats, at which a drift is confirmed
+  Axis axis = Axis::kRotationX;       ///< axis with the most evidence, not a wide variant
+  double evidence = 0;                ///< nats, along that axis
+  double threshold = 0;               ///< nats, at which a drift is confirmed
+  Axis runner_up = Axis::kRotationX;  ///< axis with the most evidence of the others
+  double runner_up_evidence = 0;      ///< nats; the difference is the logarithm of the odds
   /// Estimated error of the present T_camera_lidar: its offset from the maximum of the dependence,
   /// over recent evaluations, (rx, ry, rz, tx, ty, tz), rad and m.
   geometry::Vector6 offset = geometry::Vector6::Zero();
   geometry::Vector6 sigma = geometry::Vector6::Zero();  ///< standard deviation of `offset`
-  double delay = 0;  ///< s; estimated delay of the camera's stamps after its exposures
+  bool at_least = false;  ///< the offset is a lower bound: the maximum lies farther away
+  double delay = 0;       ///< s; estimated delay of the camera's stamps after its exposures
   /// Axis along which a delay cannot be separated from a displaced camera.
   std::optional<Axis> delay_ambiguous_axis;
   CameraFault fault = CameraFault::kNone;

@@ -58,15 +58,19 @@ MutualInformation mutual_information(const Histogram& table) {
 
 double MonitorDependence::evaluate(const Eigen::Isometry3d& T_camera_lidar,
                                    const MonitorImage& image, const MonitorPoints& points,
-                                   const geometry::CameraModel& camera) {
-  if (image.width() < 2 || image.height() < 2) return 0;
+                                   const geometry::CameraModel& camera, bool coarse) {
+  const features::Plane& grey_plane = coarse ? image.coarse_grey() : image.fine_grey();
+  const features::Plane& edge_plane = coarse ? image.coarse_edge() : image.fine_edge();
+  if (grey_plane.width < 2 || grey_plane.height < 2) return 0;
   for (auto* scratch : {&u_, &v_, &depth_}) scratch->resize(points.size());
   geometry::project_points(camera, T_camera_lidar, points.points(), {u_, v_, depth_});
-  const auto width = static_cast<size_t>(image.width());
-  const auto right = static_cast<float>(image.width() - 1) - 1e-3F;
-  const auto bottom = static_cast<float>(image.height() - 1) - 1e-3F;
-  const auto scale = 1.0F / static_cast<float>(image.step());
-  const float shift = 0.5F * scale - 0.5F;  // a mean belongs to the middle of its pixels
+  const auto width = static_cast<size_t>(grey_plane.width);
+  const auto right = static_cast<float>(grey_plane.width - 1) - 1e-3F;
+  const auto bottom = static_cast<float>(grey_plane.height - 1) - 1e-3F;
+  const float thin = 1.0F / static_cast<float>(grey_plane.step);
+  const float scale = thin / static_cast<float>(image.step());
+  // A mean belongs to the middle of its pixels, a thinned sample to where it is.
+  const float shift = 0.5F * scale - 0.5F * thin;
   Histogram reflectivity{}, edge{};
   for (size_t i = 0; i < points.size(); ++i) {
     if (!(u_[i] == u_[i])) continue;
@@ -77,9 +81,10 @@ double MonitorDependence::evaluate(const Eigen::Isometry3d& T_camera_lidar,
     const float a = u - static_cast<float>(column);
     const float b = v - static_cast<float>(row);
     const size_t at = row * width + column;
-    add_sample(reflectivity, points.reflectivity_bin()[i], look_up(image.grey(), width, at, a, b));
+    add_sample(reflectivity, points.reflectivity_bin()[i],
+               look_up(grey_plane.values, width, at, a, b));
     if (points.edge_bin()[i] == MonitorPoints::kNotCompared) continue;
-    add_sample(edge, points.edge_bin()[i], look_up(image.edge(), width, at, a, b));
+    add_sample(edge, points.edge_bin()[i], look_up(edge_plane.values, width, at, a, b));
   }
   const MutualInformation of_reflectivity = mutual_information(reflectivity);
   const MutualInformation of_edges = mutual_information(edge);

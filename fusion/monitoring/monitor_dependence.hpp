@@ -25,8 +25,10 @@ class MonitorDependence {
 
   /// Evaluates a pose near the one with which the points were selected. A point that leaves the
   /// image keeps the border's value, so that the measure cannot rise as points vanish.
+  /// `coarse`: with the blurred image.
   double evaluate(const Eigen::Isometry3d& T_camera_lidar, const MonitorImage& image,
-                  const MonitorPoints& points, const geometry::CameraModel& camera);
+                  const MonitorPoints& points, const geometry::CameraModel& camera,
+                  bool coarse = false);
 
  private:
   Weights weights_;

@@ -30,6 +30,11 @@ class MonitorImage {
   int width() const { return grey_.width; }
   int height() const { return grey_.height; }
   int step() const { return step_; }
+  /// The same planes, blurred by `kCoarseBlur` samples and thinned: for steps beyond the peak.
+  const features::Plane& coarse_grey() const { return coarse_grey_; }
+  const features::Plane& coarse_edge() const { return coarse_edge_; }
+  const features::Plane& fine_grey() const { return grey_; }
+  const features::Plane& fine_edge() const { return edge_; }
   /// Rank of grey relative to its surroundings (`features::LocalContrast`), rows from the top.
   const std::vector<float>& grey() const { return grey_.values; }
   /// Rank of the edge strength along the lidar's rings (`features::RingEdge`).
@@ -37,7 +42,7 @@ class MonitorImage {
 
  private:
   int step_ = 1;
-  features::Plane reduced_, raw_, grey_, edge_;
+  features::Plane reduced_, raw_, grey_, edge_, coarse_grey_, coarse_edge_;
   features::RingEdge ring_edge_;
   features::LocalContrast local_contrast_;
   features::Blur blur_;

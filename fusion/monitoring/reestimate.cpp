@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "fusion/calibration/calibrate.hpp"
+#include "fusion/calibration/compact_scene.hpp"
 #include "fusion/calibration/named_measures.hpp"
 
 namespace infuse::monitoring {
@@ -23,6 +24,17 @@ constexpr double kMinTranslationSigma = 0.003;  // m
 /// Difference between halves of the scenes because they show different things.
 constexpr double kHalfBiasRotation = 1e-3;     // rad
 constexpr double kHalfBiasTranslation = 0.01;  // m
+
+/// Intrinsics of an image that is reduced by means of `step` × `step` pixels.
+CameraIntrinsics reduced(CameraIntrinsics camera, int step) {
+  camera.width /= step;
+  camera.height /= step;
+  camera.fx /= step;
+  camera.fy /= step;
+  camera.cx = (camera.cx + 0.5) / step - 0.5;
+  camera.cy = (camera.cy + 0.5) / step - 0.5;
+  return camera;
+}
 
 calibration::Scene to_scene(const StoredScene& stored, const calibration::SceneOptions& options) {
   calibration::Scene scene{.x = stored.x, .y = stored.y, .z = stored.z};
@@ -64,6 +76,28 @@ calibration::CalibrateOptions calibrate_options(const ReestimateOptions& options
   out.seed = options.seed;
   out.maximize.stop = std::move(stop);
   return out;
+}
+
+/// The scenes as a calibration looks them up, one after the other: a scene's features take several
+/// times as much memory before.
+std::vector<calibration::Scene> prepare(std::span<const StoredScene* const> stored,
+                                        const calibration::RigCamera& camera,
+                                        const Eigen::Isometry3d& current,
+                                        const calibration::CalibrateOptions& options,
+                                        const std::stop_token& stop) {
+  const calibration::SceneOptions features{.rings =
+                                               features::ring_directions(camera.model, current)};
+  const calibration::CompactOptions compact{
+      .image = calibration::compared_image_features(options.terms),
+      .blurs = calibration::image_blurs(options),
+      .margin = {}};
+  std::vector<calibration::Scene> scenes;
+  for (const StoredScene* scene : stored) {
+    if (stop.stop_requested()) break;
+    scenes.push_back(to_scene(*scene, features));
+    calibration::compact_scene(scenes.back(), camera, current, compact);
+  }
+  return scenes;
 }
 
 /// Covariance of the result between estimates with one camera's intrinsics: what is not known of
@@ -108,20 +142,17 @@ std::optional<std::string> ReestimateOptions::invalid() const {
   return std::nullopt;
 }
 
-Reestimate reestimate(std::span<const StoredScene> scenes, const CameraIntrinsics& camera,
+Reestimate reestimate(std::span<const StoredScene* const> scenes, const CameraIntrinsics& camera,
                       const Eigen::Isometry3d& current, const ReestimateOptions& options,
                       const std::stop_token& stop) {
-  Reestimate out{.T_camera_lidar = current};
+  Reestimate out{.T_initial = current, .T_camera_lidar = current};
   out.scenes = scenes.size();
-  std::vector<calibration::Scene> own;
-  const std::vector<calibration::RigCamera> cameras = {{geometry::CameraModel(camera)}};
-  const calibration::SceneOptions scene_options{
-      .rings = features::ring_directions(cameras.front().model, current)};
-  for (const StoredScene& scene : scenes) {
-    if (!stop.stop_requested()) own.push_back(to_scene(scene, scene_options));
-  }
-  const calibration::CalibrationResult result =
-      calibration::calibrate(own, cameras, current, calibrate_options(options, stop));
+  const int step = scenes.empty() ? 1 : scenes.front()->step;
+  const std::vector<calibration::RigCamera> cameras = {
+      {geometry::CameraModel(reduced(camera, step))}};
+  const calibration::CalibrateOptions full = calibrate_options(options, stop);
+  const std::vector<calibration::Scene> own = prepare(scenes, cameras.front(), current, full, stop);
+  const calibration::CalibrationResult result = calibration::calibrate(own, cameras, current, full);
   out.reason = stop.stop_requested() ? kCancelled : result.reason;
   out.support = result.support;
   if (!out.usable()) return out;

@@ -27,6 +27,7 @@ struct ReestimateOptions {
 
 /// Result of a re-estimation from stored scenes.
 struct Reestimate {
+  Eigen::Isometry3d T_initial = Eigen::Isometry3d::Identity();  ///< calibration it started from
   Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();
   /// Covariance of a left perturbation (rx, ry, rz, tx, ty, tz), rad and m.
   geometry::Matrix6 covariance = geometry::Matrix6::Identity();
@@ -40,10 +41,11 @@ struct Reestimate {
   bool usable() const { return reason.empty(); }
 };
 
-/// Re-estimates T_camera_lidar from stored scenes: `calibration::calibrate` from the current
-/// calibration, and from each half of the scenes alone as a check. Pure: runs on any thread. Ends
-/// soon after `stop`, without a usable result. Options must be valid.
-Reestimate reestimate(std::span<const StoredScene> scenes, const CameraIntrinsics& camera,
+/// Re-estimates T_camera_lidar from stored scenes of one camera: `calibration::calibrate` from the
+/// current calibration, and from each half of the scenes alone as a check. Pure: runs on any
+/// thread; takes the memory that accuracy.md states. Ends soon after `stop`, without a usable
+/// result. Options must be valid.
+Reestimate reestimate(std::span<const StoredScene* const> scenes, const CameraIntrinsics& camera,
                       const Eigen::Isometry3d& current, const ReestimateOptions& options,
                       const std::stop_token& stop = {});
 

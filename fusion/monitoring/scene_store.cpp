@@ -14,6 +14,36 @@ double mean_grey(const CameraFrame& grey) {
   return count == 0 ? 0 : static_cast<double>(sum) / static_cast<double>(count);
 }
 
+/// Step of a reduction to at most so many pixels.
+int reduction_to(size_t pixels, size_t max_pixels) {
+  int step = 1;
+  while (pixels / (static_cast<size_t>(step) * static_cast<size_t>(step)) > max_pixels) ++step;
+  return step;
+}
+
+/// Means of `step` × `step` pixels.
+void reduce(const CameraFrame& grey, int step, CameraFrame& out) {
+  out.stamp = grey.stamp;
+  out.format = grey.format;
+  out.width = grey.width / step;
+  out.height = grey.height / step;
+  out.pixels.resize(static_cast<size_t>(out.width) * static_cast<size_t>(out.height));
+  const int count = step * step;
+  for (int v = 0; v < out.height; ++v) {
+    for (int u = 0; u < out.width; ++u) {
+      int sum = count / 2;
+      for (int dv = 0; dv < step; ++dv) {
+        const uint8_t* pixel = grey.pixels.data() +
+                               static_cast<size_t>(v * step + dv) * grey.row_bytes() +
+                               static_cast<size_t>(u) * static_cast<size_t>(step);
+        for (int du = 0; du < step; ++du) sum += pixel[du];
+      }
+      out.pixels[static_cast<size_t>(v) * static_cast<size_t>(out.width) + static_cast<size_t>(u)] =
+          static_cast<uint8_t>(sum / count);
+    }
+  }
+}
+
 /// Copies the returns in the image or just outside of it, thinned evenly.
 void copy_points(const SweepView& sweep, const MonitorPoints& points, size_t max_points,
                  StoredScene& scene) {
@@ -52,26 +82,27 @@ SceneStore::SceneStore(const SceneStoreOptions& options) : options_(options) {
   slots_.resize(options.capacity);
 }
 
-double SceneStore::decayed_information(const StoredScene& scene, Stamp now) const {
-  return scene.information *
-         std::exp(-std::numbers::ln2 * to_seconds(now - scene.stamp) / options_.half_life);
+double SceneStore::decayed_information(const Slot& slot, Stamp now) const {
+  return slot.scene->information *
+         std::exp(-std::numbers::ln2 * to_seconds(now - slot.scene->stamp) / options_.half_life);
 }
 
 StoredScene* SceneStore::slot_for(double information, Stamp now) {
-  if (used_ < slots_.size()) return &slots_[used_++];
+  if (used_ < slots_.size()) return slots_[used_++].scene.get();
   const auto minimum =
-      std::min_element(slots_.begin(), slots_.end(), [&](const auto& a, const auto& b) {
+      std::min_element(slots_.begin(), slots_.end(), [&](const Slot& a, const Slot& b) {
+        if (a.lent != b.lent) return b.lent;
         return decayed_information(a, now) < decayed_information(b, now);
       });
-  return decayed_information(*minimum, now) < information ? &*minimum : nullptr;
+  const bool free = !minimum->lent && decayed_information(*minimum, now) < information;
+  return free ? minimum->scene.get() : nullptr;
 }
 
 bool SceneStore::offer(const CameraFrame& grey, const SweepView& sweep, const MonitorPoints& points,
                        double information, double travelled, double angular_rate) {
   remove_before(grey.stamp - from_seconds(options_.max_age));
   if (!(information > 0) || travelled - last_travelled_ < options_.min_distance ||
-      angular_rate > options_.max_angular_rate ||
-      grey.pixels.size() > static_cast<size_t>(options_.max_pixels)) {
+      angular_rate > options_.max_angular_rate) {
     return false;
   }
   const double level = mean_grey(grey);
@@ -80,7 +111,8 @@ bool SceneStore::offer(const CameraFrame& grey, const SweepView& sweep, const Mo
   if (scene == nullptr) return false;
   scene->stamp = grey.stamp;
   scene->information = information;
-  scene->grey = grey;
+  scene->step = reduction_to(grey.pixels.size(), static_cast<size_t>(options_.max_pixels));
+  reduce(grey, scene->step, scene->grey);
   copy_points(sweep, points, options_.max_points, *scene);
   last_travelled_ = travelled;
   return true;
@@ -88,7 +120,7 @@ bool SceneStore::offer(const CameraFrame& grey, const SweepView& sweep, const Mo
 
 void SceneStore::remove_before(Stamp stamp) {
   for (size_t i = 0; i < used_;) {
-    if (slots_[i].stamp < stamp) {
+    if (slots_[i].scene->stamp < stamp && !slots_[i].lent) {
       std::swap(slots_[i], slots_[--used_]);
     } else {
       ++i;
@@ -99,17 +131,22 @@ void SceneStore::remove_before(Stamp stamp) {
 size_t SceneStore::count_since(Stamp stamp) const {
   return static_cast<size_t>(
       std::count_if(slots_.begin(), slots_.begin() + static_cast<ptrdiff_t>(used_),
-                    [&](const StoredScene& scene) { return scene.stamp >= stamp; }));
+                    [&](const Slot& slot) { return slot.scene->stamp >= stamp; }));
 }
 
-void SceneStore::copy(Stamp since, std::vector<StoredScene>& out) const {
-  out.resize(count_since(since));
-  size_t next = 0;
+std::vector<const StoredScene*> SceneStore::lend(Stamp since) {
+  std::vector<const StoredScene*> lent;
   for (size_t i = 0; i < used_; ++i) {
-    if (slots_[i].stamp >= since) out[next++] = slots_[i];
+    slots_[i].lent = slots_[i].scene->stamp >= since;
+    if (slots_[i].lent) lent.push_back(slots_[i].scene.get());
   }
-  std::sort(out.begin(), out.end(),
-            [](const StoredScene& a, const StoredScene& b) { return a.stamp < b.stamp; });
+  std::sort(lent.begin(), lent.end(),
+            [](const StoredScene* a, const StoredScene* b) { return a->stamp < b->stamp; });
+  return lent;
+}
+
+void SceneStore::end_lending() {
+  for (Slot& slot : slots_) slot.lent = false;
 }
 
 }  // namespace infuse::monitoring

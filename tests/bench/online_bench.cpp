@@ -365,8 +365,7 @@ void reestimate(benchmark::State& state) {
     if (monitor.scenes().size() == 30) break;
     monitor.process(pair.grey, make_sweep_view(pair.sweep), {pair.angular_rate, pair.velocity});
   }
-  std::vector<monitoring::StoredScene> scenes;
-  monitor.scenes().copy(Stamp::earliest(), scenes);
+  const auto scenes = monitor.scenes().lend(Stamp::earliest());
   const Eigen::Isometry3d wrong =
       geometry::exp(kHalfDegree * Vector6::Unit(1)) * drive.T_camera_lidar;
   for (auto _ : state) {

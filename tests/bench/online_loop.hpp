@@ -45,7 +45,6 @@ inline RecoveryResult run_recovery(const Drive& drive, const Fault& fault) {
   monitoring::CalibrationMonitor monitor(drive.intrinsics, drive.T_camera_lidar, {});
   const Eigen::Isometry3d wrong = geometry::exp(fault.perturbation) * drive.T_camera_lidar;
   monitoring::CalibrationSupervisor supervisor(wrong, {.policy = monitoring::UpdatePolicy::kApply});
-  std::vector<monitoring::StoredScene> scenes;
   std::optional<Stamp> alarm;
   for (size_t i = 0; i < drive.pairs.size(); ++i) {
     const ImageSweepPair& pair = drive.pairs[i];
@@ -67,10 +66,11 @@ inline RecoveryResult run_recovery(const Drive& drive, const Fault& fault) {
     }
     if (actions.alternative_changed) monitor.set_alternative(supervisor.alternative());
     if (!actions.start_reestimation) continue;
-    monitor.scenes().copy(actions.scenes_since, scenes);
+    const auto scenes = monitor.scenes().lend(actions.scenes_since);
     const auto begin = std::clock();
     supervisor.finish_reestimation(
         monitoring::reestimate(scenes, drive.intrinsics, supervisor.current(), {}));
+    monitor.scenes().end_lending();
     out.cpu_seconds.push_back(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
   }
   out.error = geometry::log(supervisor.current() * drive.T_camera_lidar.inverse());

@@ -61,25 +61,27 @@ TEST_F(CalibrationGuardTest, ABlackImageMakesTheCalibrationUnusableAtOnce) {
   EXPECT_FALSE(last.history.empty());
 }
 
-TEST_F(CalibrationGuardTest, AFreezeTakesEffectWithTheNextImage) {
-  process(0, 128);
-  guard_.handle_request({.op = Request::Op::kFreeze, .on = true});
-  process(0.1, 129);
-  const CalibrationReport* report = process(10, 130);
+TEST_F(CalibrationGuardTest, CommandsTakeEffectAtOnceAlsoWithoutImages) {
+  using Kind = CalibrationCommand::Kind;
+  const CalibrationReport* report =
+      guard_.handle({.kind = Kind::kFreeze, .camera = "front"}, at(0));
   ASSERT_NE(report, nullptr);
   EXPECT_TRUE(report->frozen);
-  guard_.handle_request({.op = Request::Op::kFreeze, .on = false});
-  report = process(20, 131);
-  ASSERT_NE(report, nullptr);
-  EXPECT_FALSE(report->frozen);
-}
-
-TEST_F(CalibrationGuardTest, TheCalibrationInUseIsTheConfiguredOneUntilAnotherIsApplied) {
-  process(0, 128);
-  guard_.handle_request({.op = Request::Op::kApply});
-  guard_.handle_request({.op = Request::Op::kRollback});
-  process(0.1, 129);
-  EXPECT_TRUE(guard_.T_camera_lidar().isApprox(mount().T_camera_lidar));
+  EXPECT_FALSE(
+      guard_.handle({.kind = Kind::kFreeze, .camera = "front", .frozen = false}, at(1))->frozen);
+  EXPECT_TRUE(guard_.handle({.kind = Kind::kRecalibrate, .camera = "front"}, at(1))
+                  ->recalibration_requested);
+  CalibrationCommand use{.camera = "front", .decision = 7};
+  use.calibration.T_camera_lidar = mount().T_camera_lidar;
+  use.calibration.T_camera_lidar.translation().x() = 0.1;
+  report = guard_.handle(use, at(2));
+  EXPECT_EQ(report->decision, 7U);
+  EXPECT_EQ(report->state, CalibrationState::kRecalibrated);
+  EXPECT_EQ(report->since, at(2));
+  EXPECT_EQ(guard_.T_camera_lidar().translation().x(), 0.1);
+  EXPECT_EQ(guard_.report_if_due(at(11)), nullptr);
+  EXPECT_NE(guard_.report_if_due(at(12)), nullptr);
+  EXPECT_EQ(guard_.report_at_end(at(13)), nullptr);  // nothing was evaluated since
   guard_.shut_down();
 }
 

@@ -45,6 +45,24 @@ TEST(Summary, AsJsonHasTotalsAndDevices) {
   EXPECT_FALSE(json.contains("odometry"));
 }
 
+TEST(Summary, HasTheFinalEvidenceOfEachCamera) {
+  Summary summary = lidar_summary();
+  CalibrationReport& report = summary.totals.calibrations["front"];
+  report.camera = "front";
+  report.state = monitoring::CalibrationState::kConfirmed;
+  report.evaluations = 40;
+  report.verdict.drift = monitoring::Drift::kConfirmed;
+  report.verdict.evidence = 20;
+  report.verdict.threshold = 19;
+  summary.totals.calibration_levels["front"] = Level::kError;
+  EXPECT_THAT(to_text(summary),
+              HasSubstr("front: calibration CONFIRMED (ERROR), 40 evaluations; drift: rotation"));
+  const Json json = to_json(summary)["calibrations"];
+  ASSERT_EQ(json.size(), 1U);
+  EXPECT_EQ(json[0]["level"], "ERROR");
+  EXPECT_EQ(json[0]["evidence_nats"], 20);
+}
+
 TEST(Summary, AsTextHasRatesAndLosses) {
   Summary summary = lidar_summary();
   summary.stopped = true;

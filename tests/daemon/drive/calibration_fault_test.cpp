@@ -102,10 +102,12 @@ TEST(CalibrationFaults, AStopDoesNotWaitForAnEstimate) {
     server.finish(std::chrono::seconds(1));
   });
   std::optional<HostClock::time_point> stopped;
+  bool requested = false;
   replay.publisher().add_calibration_listener([&](const CalibrationReport& report) {
     const bool recalibrating = report.state == monitoring::CalibrationState::kRecalibrating;
-    if (report.evaluations >= 12 && !recalibrating && !stopped) {
-      ASSERT_TRUE(replay.pipeline().handle_request({.op = Request::Op::kRecalibrate}));
+    if (report.evaluations >= 12 && !std::exchange(requested, true)) {
+      replay.pipeline().post(
+          {.kind = CalibrationCommand::Kind::kRecalibrate, .camera = report.camera});
     }
     if (!recalibrating || stopped) return;
     stopped = HostClock::now();

@@ -206,7 +206,7 @@ TEST(Messages, ARecordingThatEndedEarlyHasAReason) {
 
 TEST(Messages, RepliesAreValid) {
   EXPECT_EQ(encoded(LostReport{kStamp, 17})["reports"], 17);
-  EXPECT_EQ(encoded(AckReply{"poll"})["op"], "poll");
+  EXPECT_EQ(encoded(AckReply{"poll", ""})["op"], "poll");
   EXPECT_FALSE(encoded(ErrorReply{"", "what", ""}).contains("op"));
   EXPECT_EQ(encoded(ErrorReply{"watch", "what", "hint"})["hint"], "hint");
 }

@@ -145,10 +145,10 @@ TEST_F(ServerTest, ControlRequestsAreAcceptedFromTheOwnerOnly) {
   uint16_t port = 0;
   on_server([&] {
     port = *server_->listen_tcp(0);
-    server_->on_control([&](const Request& request) -> Result<void> {
+    server_->on_control([&](const Request& request) -> Result<std::string> {
       requests.push_back(std::string(name_of(request.op)) + " " + request.device);
       if (request.device == "none") return fail("unknown camera 'none'", "", "ask status");
-      return {};
+      return "begins soon";
     });
   });
   SocketClient owner(path_);
@@ -157,6 +157,7 @@ TEST_F(ServerTest, ControlRequestsAreAcceptedFromTheOwnerOnly) {
   json answer = next(owner);
   EXPECT_EQ(answer["class"], "ACK");
   EXPECT_EQ(answer["op"], "recalibrate");
+  EXPECT_EQ(answer["note"], "begins soon");
   owner.send("{\"op\":\"rollback\",\"device\":\"none\"}\n");
   answer = next(owner);
   EXPECT_EQ(answer["class"], "ERROR");

@@ -41,7 +41,9 @@ TEST_F(SelfTestTest, AnEmptyStateIsFineAndStaysEmpty) {
 }
 
 TEST_F(SelfTestTest, TheStateOfThisReleaseIsReadAndLeftAlone) {
-  const std::string state = format_state({.starts = 3}), cameras = format_calibrations({{"front"}});
+  const std::string state = format_state({.starts = 3});
+  const std::string cameras = format_calibrations(
+      {.next_number = 2, .cameras = {{.camera = "front", .in_use = 1, .known = {{.number = 1}}}}});
   folder_.write(kSavedStateFile, state);
   folder_.write(kCalibrationsFile, cameras);
   folder_.write("history.jsonl", "{\"form\":1}\n{\"form\":2}\n{\"fo\n");
@@ -53,12 +55,16 @@ TEST_F(SelfTestTest, TheStateOfThisReleaseIsReadAndLeftAlone) {
 }
 
 TEST_F(SelfTestTest, TheStateOfANewerReleaseFails) {
-  for (const char* file : {kSavedStateFile, kCalibrationsFile}) {
-    folder_.write(file, "{\"form\": 2, \"more\": 1}");
+  const std::vector<std::pair<const char*, int>> files = {{kSavedStateFile, kSavedStateForm},
+                                                          {kCalibrationsFile, kCalibrationsForm}};
+  for (const auto& [file, form] : files) {
+    const std::string text = "{\"form\": " + std::to_string(form + 1) + ", \"more\": 1}";
+    folder_.write(file, text);
     EXPECT_EQ(test(), kFailure);
     EXPECT_THAT(out_.str(), HasSubstr("failed: "));
-    EXPECT_THAT(out_.str(), HasSubstr("newer release: form 2, this one reads up to 1"));
-    EXPECT_EQ(folder_.read(file), "{\"form\": 2, \"more\": 1}");
+    EXPECT_THAT(out_.str(), HasSubstr("newer release: form " + std::to_string(form + 1) +
+                                      ", this one reads up to " + std::to_string(form)));
+    EXPECT_EQ(folder_.read(file), text);
     std::filesystem::remove(folder_ / file);
   }
 }

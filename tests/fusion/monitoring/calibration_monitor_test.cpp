@@ -84,6 +84,19 @@ TEST(CalibrationMonitor, ARotatedCameraIsDetectedWithItsAxis) {
   }
 }
 
+TEST(CalibrationMonitor, TheAmountOfALargeDriftIsAnEstimate) {
+  for (const double degrees : {0.8, 3.0}) {
+    CalibrationMonitor monitor(small_camera(), turned(degrees, 1), {});
+    Driver driver;
+    const DriftVerdict verdict = driver.drive(monitor, 60).verdict;
+    EXPECT_EQ(verdict.drift, Drift::kConfirmed) << degrees;
+    EXPECT_EQ(verdict.axis, Axis::kRotationY) << degrees;
+    EXPECT_NEAR(verdict.offset(1), degrees * kDegree, 3 * verdict.sigma(1)) << degrees;
+    EXPECT_LT(verdict.sigma(1), 0.2 * kDegree) << degrees;
+    EXPECT_FALSE(verdict.at_least) << degrees;
+  }
+}
+
 TEST(CalibrationMonitor, ANewCalibrationResetsTheEvidence) {
   CalibrationMonitor monitor(small_camera(), turned(1, 1), {});
   Driver driver;
@@ -160,8 +173,7 @@ TEST(Reestimate, CorrectsARotatedCamera) {
   CalibrationMonitor monitor(small_camera(), turned(1, 1), options);
   Driver driver;
   driver.drive(monitor, 30);
-  std::vector<StoredScene> scenes;
-  monitor.scenes().copy(Stamp::earliest(), scenes);
+  const auto scenes = monitor.scenes().lend(Stamp::earliest());
   ASSERT_EQ(scenes.size(), 10U);
   const Reestimate result = reestimate(scenes, small_camera(), monitor.T_camera_lidar(), {});
   EXPECT_TRUE(result.usable()) << result.reason << ", " << result.split_half_distance;
@@ -172,12 +184,33 @@ TEST(Reestimate, CorrectsARotatedCamera) {
   EXPECT_EQ(again.T_camera_lidar.matrix(), result.T_camera_lidar.matrix());
 }
 
+TEST(Reestimate, ReducedImagesCorrectItToo) {
+  CameraIntrinsics large = small_camera();
+  for (int* size : {&large.width, &large.height}) *size *= 2;
+  for (double* of : {&large.fx, &large.fy, &large.cx, &large.cy}) *of *= 2;
+  MonitorOptions options;
+  options.scene_store = {.capacity = 10, .max_pixels = large.width * large.height / 4};
+  CalibrationMonitor monitor(large, turned(1, 1), options);
+  for (uint64_t k = 0; k < 10; ++k) {
+    const auto world = calibration::painted::make_world(k + 1);
+    CameraFrame grey = calibration::painted::render_image(world, large, true_T_camera_lidar());
+    grey.stamp = Stamp::from_ns(1'000'000'000LL * static_cast<int64_t>(k + 1));
+    const Sweep sweep = calibration::painted::scan(world, 100 + k);
+    monitor.process(grey, make_sweep_view(sweep), {.velocity = Eigen::Vector3d(0, 0, 10)});
+  }
+  const auto scenes = monitor.scenes().lend(Stamp::earliest());
+  ASSERT_GE(scenes.size(), 9U);
+  EXPECT_EQ(scenes.front()->step, 2);
+  const Reestimate result = reestimate(scenes, large, monitor.T_camera_lidar(), {});
+  EXPECT_TRUE(result.usable()) << result.reason;
+  EXPECT_LT(degrees_between(result.T_camera_lidar, true_T_camera_lidar()), 0.15);
+}
+
 TEST(Reestimate, TwoScenesAreRejected) {
   CalibrationMonitor monitor(small_camera(), true_T_camera_lidar(), {});
   Driver driver;
   driver.drive(monitor, 2);
-  std::vector<StoredScene> scenes;
-  monitor.scenes().copy(Stamp::earliest(), scenes);
+  const auto scenes = monitor.scenes().lend(Stamp::earliest());
   const Reestimate result = reestimate(scenes, small_camera(), monitor.T_camera_lidar(), {});
   EXPECT_FALSE(result.usable());
   EXPECT_EQ(result.T_camera_lidar.matrix(), monitor.T_camera_lidar().matrix());

@@ -19,7 +19,7 @@ class Drive {
  public:
   explicit Drive(const SupervisorOptions& options) : supervisor(turned(0), options) {}
 
-  SupervisorActions step(Drift drift, double gain = 0, CameraFault fault = CameraFault::kNone) {
+  MonitorReport report(Drift drift, double gain = 0, CameraFault fault = CameraFault::kNone) {
     MonitorReport report{.stamp = Stamp::from_ns(500'000'000LL * next_++), .evaluated = true};
     report.verdict.drift = drift;
     report.verdict.fault = fault;
@@ -28,7 +28,10 @@ class Drive {
     report.verdict.offset(1) = 0.5 * kDegree;
     report.gain = gain;
     report.has_gain = supervisor.alternative().has_value();
-    return supervisor.process(report, scenes);
+    return report;
+  }
+  SupervisorActions step(Drift drift, double gain = 0, CameraFault fault = CameraFault::kNone) {
+    return supervisor.process(report(drift, gain, fault), scenes);
   }
   void steps(int count, Drift drift, double gain = 0) {
     for (int k = 0; k < count; ++k) step(drift, gain);
@@ -41,7 +44,7 @@ class Drive {
     steps(21, Drift::kConfirmed);
   }
   static Reestimate make_result(double degrees) {
-    Reestimate result{.T_camera_lidar = turned(degrees)};
+    Reestimate result{.T_initial = turned(0), .T_camera_lidar = turned(degrees)};
     result.covariance = 1e-6 * geometry::Matrix6::Identity();
     result.moved = 1000 * degrees * kDegree;
     result.scenes = 15;
@@ -75,9 +78,10 @@ TEST(CalibrationSupervisor, AlertOnlyProposesAndTheOwnerApplies) {
   EXPECT_EQ(drive.supervisor.state(), kConfirmed);
   EXPECT_EQ(drive.supervisor.current().matrix(), turned(0).matrix());
   ASSERT_TRUE(drive.supervisor.proposal());
-  drive.supervisor.request_apply();
-  const SupervisorActions decided = drive.step(Drift::kConfirmed);
+  const SupervisorActions decided =
+      drive.supervisor.use({drive.supervisor.proposal()->T_camera_lidar}, Stamp());
   EXPECT_TRUE(decided.calibration_changed);
+  EXPECT_FALSE(drive.supervisor.proposal());
   EXPECT_EQ(decided.state, kRecalibrated);
   EXPECT_EQ(drive.supervisor.current().matrix(), turned(0.5).matrix());
   drive.steps(20, Drift::kHolds, 0.01);
@@ -150,17 +154,19 @@ TEST(CalibrationSupervisor, FailuresMakeItUnusable) {
   for (int k = 0; k < 60; ++k) {
     if (!drive.step(Drift::kConfirmed).start_reestimation) continue;
     ++started;
-    Reestimate failed;
-    failed.reason = "not observable";
-    drive.supervisor.finish_reestimation(failed);
+    drive.supervisor.finish_reestimation({.reason = "not observable"});
   }
   EXPECT_EQ(started, 2);
   EXPECT_EQ(drive.supervisor.state(), kUnusable);
+  // The owner may ask for another.
+  drive.supervisor.request_recalibration(Stamp());
+  drive.step(Drift::kConfirmed);
+  EXPECT_EQ(drive.supervisor.state(), kRecalibrating);
 }
 
 TEST(CalibrationSupervisor, FrozenByTheOwnerNothingIsStarted) {
   Drive drive({.policy = UpdatePolicy::kApply});
-  drive.supervisor.set_frozen(true);
+  drive.supervisor.freeze(true, Stamp());
   drive.steps(5, Drift::kHolds);
   for (int k = 0; k < 10; ++k) EXPECT_FALSE(drive.step(Drift::kConfirmed).start_reestimation);
   EXPECT_EQ(drive.supervisor.state(), kConfirmed);
@@ -178,13 +184,11 @@ TEST(CalibrationSupervisor, FreezingCancelsTheReestimation) {
   Drive drive({.policy = UpdatePolicy::kApply});
   drive.steps(5, Drift::kHolds);
   EXPECT_TRUE(drive.step(Drift::kConfirmed).start_reestimation);
-  drive.supervisor.set_frozen(true);
-  const SupervisorActions frozen = drive.step(Drift::kConfirmed);
-  EXPECT_TRUE(frozen.cancel_reestimation);
-  EXPECT_EQ(frozen.state, kConfirmed);
+  EXPECT_TRUE(drive.supervisor.freeze(true, Stamp()).cancel_reestimation);
   EXPECT_FALSE(drive.supervisor.reestimating());
   for (int k = 0; k < 10; ++k) EXPECT_FALSE(drive.step(Drift::kConfirmed).cancel_reestimation);
-  drive.supervisor.set_frozen(false);
+  EXPECT_EQ(drive.supervisor.state(), kConfirmed);
+  drive.supervisor.freeze(false, Stamp());
   EXPECT_TRUE(drive.step(Drift::kConfirmed).start_reestimation);
 }
 
@@ -202,27 +206,52 @@ TEST(CalibrationSupervisor, ACameraFaultCancelsTheReestimation) {
 }
 
 TEST(CalibrationSupervisor, RollingBackCancelsTheReestimation) {
-  Drive drive({.policy = UpdatePolicy::kApply, .retry_interval = 0});
-  drive.drift_and_reestimate(0.5);
-  drive.supervisor.request_recalibration();
-  EXPECT_TRUE(drive.step(Drift::kHolds).start_reestimation);
-  drive.supervisor.request_roll_back();
-  const SupervisorActions back = drive.step(Drift::kHolds);
-  EXPECT_TRUE(back.cancel_reestimation);
-  EXPECT_TRUE(back.calibration_changed);
-}
-
-TEST(CalibrationSupervisor, TheOwnerMayRequestAndRollBack) {
   Drive drive({.policy = UpdatePolicy::kApply});
   drive.steps(5, Drift::kHolds);
-  drive.supervisor.request_recalibration();
+  EXPECT_TRUE(drive.step(Drift::kConfirmed).start_reestimation);
+  const SupervisorActions back = drive.supervisor.use({turned(1), {}, true}, Stamp());
+  EXPECT_TRUE(back.cancel_reestimation);
+  EXPECT_TRUE(back.calibration_changed);
+  EXPECT_EQ(back.state, kMonitoring);
+  EXPECT_FALSE(drive.supervisor.alternative());
+  drive.supervisor.finish_reestimation(Drive::make_result(0.5));  // of another calibration
+  drive.steps(30, Drift::kHolds);
+  EXPECT_EQ(drive.supervisor.current().matrix(), turned(1).matrix());
+}
+
+TEST(CalibrationSupervisor, ARequestedReestimationWaitsForScenes) {
+  Drive drive({.policy = UpdatePolicy::kApply});
+  drive.scenes = 10;
+  drive.steps(5, Drift::kHolds);
+  drive.supervisor.request_recalibration(Stamp());
+  EXPECT_FALSE(drive.step(Drift::kHolds).start_reestimation);
+  EXPECT_TRUE(drive.supervisor.recalibration_requested());
+  drive.scenes = 30;
   EXPECT_TRUE(drive.step(Drift::kHolds).start_reestimation);
-  drive.supervisor.finish_reestimation(Drive::make_result(0.5));
-  drive.steps(21, Drift::kHolds);
-  EXPECT_EQ(drive.supervisor.current().matrix(), turned(0.5).matrix());
-  drive.supervisor.request_roll_back();
-  EXPECT_TRUE(drive.step(Drift::kHolds).calibration_changed);
-  EXPECT_EQ(drive.supervisor.current().matrix(), turned(0).matrix());
+  EXPECT_FALSE(drive.supervisor.recalibration_requested());
+}
+
+TEST(CalibrationSupervisor, AProposalIsMonitoredAndWithdrawn) {
+  Drive drive({});
+  drive.drift_and_reestimate(0.5);
+  ASSERT_TRUE(drive.supervisor.alternative());
+  EXPECT_EQ(drive.supervisor.alternative()->matrix(), turned(0.5).matrix());
+  // The camera moves again: only scenes since then count, and another estimate follows.
+  MonitorReport report = drive.report(Drift::kConfirmed);
+  report.alternative_drifted = true;
+  report.alternative_since = report.stamp;
+  EXPECT_TRUE(drive.supervisor.process(report, 0).alternative_changed);
+  EXPECT_FALSE(drive.supervisor.proposal());
+  EXPECT_EQ(drive.supervisor.scenes_since(report), report.stamp);
+  drive.steps(40, Drift::kConfirmed);
+  EXPECT_EQ(drive.supervisor.state(), kRecalibrating);
+  // The camera springs back: there is nothing to apply.
+  drive.supervisor.finish_reestimation(Drive::make_result(0.7));
+  drive.steps(21, Drift::kConfirmed);
+  ASSERT_TRUE(drive.supervisor.proposal());
+  drive.step(Drift::kHolds);
+  EXPECT_EQ(drive.supervisor.state(), kOk);
+  EXPECT_FALSE(drive.supervisor.proposal());
 }
 
 TEST(CalibrationSupervisor, HistoryIsBounded) {
@@ -234,7 +263,6 @@ TEST(CalibrationSupervisor, HistoryIsBounded) {
   EXPECT_EQ(drive.supervisor.history().size(), 5U);
   EXPECT_FALSE(SupervisorOptions{}.invalid());
   EXPECT_TRUE(SupervisorOptions{.min_scenes_after_timeout = 1}.invalid());
-  EXPECT_STREQ(name_of(kRecalibrating), "RECALIBRATING");
 }
 
 }  // namespace

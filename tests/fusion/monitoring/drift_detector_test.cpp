@@ -20,7 +20,13 @@ class EvaluationGenerator {
     AxisEvaluation evaluation;
     for (size_t k = 0; k < kAxes; ++k) {
       // Standard deviations of an evaluation: 0.17 degrees, 3 cm, 50 ms.
-      const double unit = k < 3 ? 3e-3 : k < 6 ? 0.03 : k < 7 ? 0.05 : k < 10 ? 0.01 : 0.1;
+      const double unit = k < 3    ? 3e-3
+                          : k < 6  ? 0.03
+                          : k < 7  ? 0.05
+                          : k < 10 ? 0.01
+                          : k < 11 ? 0.1
+                          : k < 14 ? 0.02
+                                   : 0.04;
       evaluation.step[k] = 10 * unit;
       evaluation.curvature[k] = noise / (unit * unit);
       last_[k] = correlation * last_[k] + std::sqrt(1 - correlation * correlation) * normal();

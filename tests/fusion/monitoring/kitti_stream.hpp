@@ -69,8 +69,7 @@ inline Reestimate estimate(const Stream& stream, const Eigen::Isometry3d& wrong)
   options.scene_store.capacity = stream.images.size();
   CalibrationMonitor monitor(stream.camera, wrong, options);
   drive(monitor, stream, 1);
-  std::vector<StoredScene> scenes;
-  monitor.scenes().copy(Stamp::earliest(), scenes);
+  const auto scenes = monitor.scenes().lend(Stamp::earliest());
   return reestimate(scenes, stream.camera, wrong, {});
 }
 

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
 #include "drivers/measurement/angles.hpp"
 #include "tests/fusion/monitoring/kitti_stream.hpp"
 #include "tests/real_data.hpp"
@@ -37,6 +39,47 @@ TEST(RealKittiStream, ARotationIsDetected) {
       CalibrationMonitor monitor(stream.camera, turned(stream, degrees, axis), {});
       EXPECT_EQ(kitti::drive(monitor, stream, 6).verdict.drift, Drift::kConfirmed)
           << degrees << " " << axis;
+    }
+  }
+}
+
+/// What a knock after two rounds is described as, 5 s after it was confirmed or after five rounds.
+DriftVerdict describe_knock(const kitti::Stream& stream, double degrees, int axis) {
+  CalibrationMonitor monitor(stream.camera, stream.T_camera_lidar, {});
+  const size_t pairs = stream.images.size();
+  DriftVerdict verdict;
+  int after_knock = 0, suspected = 0, confirmed = 0;  // images
+  for (size_t k = 0; k < 7 * pairs && (confirmed == 0 || after_knock < confirmed + 10); ++k) {
+    if (k == 2 * pairs) monitor.inject_miscalibration(turned(stream, degrees, axis));
+    CameraFrame grey = stream.images[k % pairs];
+    grey.stamp = Stamp::from_ns(500'000'000LL * static_cast<int64_t>(k + 1));
+    verdict = monitor
+                  .process(grey, make_sweep_view(stream.sweeps[k % pairs]),
+                           {.velocity = Eigen::Vector3d(0, 0, 8 + static_cast<double>(k % 3))})
+                  .verdict;
+    if (k < 2 * pairs) continue;
+    ++after_knock;
+    if (suspected == 0 && verdict.drifting()) suspected = after_knock;
+    if (confirmed == 0 && verdict.drift == Drift::kConfirmed) confirmed = after_knock;
+  }
+  std::printf("%+.1f degrees about axis %d: suspected after %.1f s, confirmed after %.1f s: %s\n",
+              degrees, axis, 0.5 * suspected, 0.5 * confirmed, describe_drift(verdict).c_str());
+  return verdict;
+}
+
+// INFUSE_ALL_KNOCKS in the environment: the table of accuracy.md.
+TEST(RealKittiStream, ALargeKnockIsNamedWithItsAmount) {
+  INFUSE_REAL_DATA_OR_SKIP(folder, "calibration/kitti");
+  const kitti::Stream& stream = stream_of(folder);
+  const DriftVerdict verdict = describe_knock(stream, 3, 0);
+  EXPECT_EQ(verdict.drift, Drift::kConfirmed);
+  EXPECT_EQ(verdict.axis, Axis::kRotationX);
+  EXPECT_NEAR(verdict.offset(0), 3 * kDegree, 3 * verdict.sigma(0));
+  EXPECT_LT(verdict.sigma(0), 0.3 * kDegree);
+  if (std::getenv("INFUSE_ALL_KNOCKS") == nullptr) return;
+  for (const double degrees : {0.5, 1.0, 2.0, 3.0, 5.0}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const double sign : {1.0, -1.0}) describe_knock(stream, sign * degrees, axis);
     }
   }
 }

@@ -43,13 +43,12 @@ bool offer(SceneStore& store, double seconds, double worth, double rate = 0, uin
                      rate);
 }
 
-std::vector<double> stored_seconds(const SceneStore& store) {
-  std::vector<StoredScene> scenes;
-  store.copy(Stamp::earliest(), scenes);
+std::vector<double> stored_seconds(SceneStore& store) {
   std::vector<double> seconds;
-  for (const StoredScene& scene : scenes) {
-    seconds.push_back(static_cast<double>(scene.stamp.ns()) * 1e-9);
+  for (const StoredScene* scene : store.lend(Stamp::earliest())) {
+    seconds.push_back(static_cast<double>(scene->stamp.ns()) * 1e-9);
   }
+  store.end_lending();
   return seconds;
 }
 
@@ -82,12 +81,37 @@ TEST(SceneStore, RejectsUninformativeScenes) {
 TEST(SceneStore, KeepsPointsAroundTheImage) {
   SceneStore store({.capacity = 3});
   ASSERT_TRUE(offer(store, 1, 0.5));
-  std::vector<StoredScene> scenes;
-  store.copy(Stamp::earliest(), scenes);
+  const auto scenes = store.lend(Stamp::earliest());
   ASSERT_EQ(scenes.size(), 1U);
-  EXPECT_EQ(scenes[0].x, (std::vector<float>{5, 10}));
-  EXPECT_EQ(scenes[0].reflectivity, (std::vector<float>{0.5F, 0.5F}));  // each alone in its group
-  EXPECT_EQ(scenes[0].grey.pixels.size(), 64U * 48U);
+  EXPECT_EQ(scenes[0]->x, (std::vector<float>{5, 10}));
+  EXPECT_EQ(scenes[0]->reflectivity, (std::vector<float>{0.5F, 0.5F}));  // each alone in its group
+  EXPECT_EQ(scenes[0]->grey.pixels.size(), 64U * 48U);
+}
+
+TEST(SceneStore, LentScenesStayAsTheyAre) {
+  SceneStore store({.capacity = 3});
+  for (int k = 1; k <= 3; ++k) ASSERT_TRUE(offer(store, k, 0.1 * k));
+  const auto lent = store.lend(Stamp::from_ns(2'000'000'000));
+  ASSERT_EQ(lent.size(), 2U);
+  EXPECT_TRUE(offer(store, 4, 0.9));   // in the place of the one that is not lent
+  EXPECT_TRUE(offer(store, 5, 0.95));  // again
+  store.remove_before(Stamp::from_ns(6'000'000'000));
+  EXPECT_EQ(store.size(), 2U);
+  EXPECT_EQ(lent[0]->information, 0.2);
+  EXPECT_EQ(lent[1]->information, 0.1 * 3);
+  store.end_lending();
+  store.remove_before(Stamp::from_ns(6'000'000'000));
+  EXPECT_EQ(store.size(), 0U);
+}
+
+TEST(SceneStore, LargeImagesAreReduced) {
+  SceneStore store({.capacity = 3, .max_pixels = 64 * 48 / 5});
+  ASSERT_TRUE(offer(store, 1, 0.5, 0, 77));
+  const auto scenes = store.lend(Stamp::earliest());
+  EXPECT_EQ(scenes[0]->step, 3);
+  EXPECT_EQ(scenes[0]->grey.width, 21);
+  EXPECT_EQ(scenes[0]->grey.height, 16);
+  EXPECT_EQ(scenes[0]->grey.pixels, std::vector<uint8_t>(21 * 16, 77));
 }
 
 TEST(SceneStoreOptions, SaysWhatIsWrong) {

@@ -17,13 +17,16 @@ struct AxisModel {
 };
 constexpr double kKappa = 0.0045;
 constexpr AxisModel kRotation{0.004, 8.7e-3}, kTranslation{0.03, 0.06}, kTime{0.03, 0.08},
-    kWideRotation{0.012, 0.026}, kWideTime{0.06, 0.24};
+    kWideRotation{0.012, 0.026}, kWideTime{0.06, 0.24}, kFarRotation{0.024, 0.0524},
+    kFartherRotation{0.048, 0.105};
 
 const AxisModel& model_of(Axis axis) {
   if (axis <= Axis::kRotationZ) return kRotation;
   if (axis <= Axis::kTranslationZ) return kTranslation;
   if (axis == Axis::kTime) return kTime;
-  return axis == Axis::kWideTime ? kWideTime : kWideRotation;
+  if (axis == Axis::kWideTime) return kWideTime;
+  if (axis >= Axis::kFartherRotationX) return kFartherRotation;
+  return monitoring::is_far(axis) ? kFarRotation : kWideRotation;
 }
 
 constexpr double kNegligible = 0.5;  // nats
@@ -44,15 +47,25 @@ void SimulatedCamera::restart(const Eigen::Isometry3d& T_camera_lidar,
   last_without_evidence_ = Stamp::earliest();
   reported_at_.reset();
   last_result_.reset();
-  evaluations_ = 0;
+  evaluations_ = decision_ = 0;
 }
 
-void SimulatedCamera::handle(const daemon::Request& request) {
-  using Op = daemon::Request::Op;
-  if (request.op == Op::kRecalibrate) supervisor_->request_recalibration();
-  if (request.op == Op::kApply) supervisor_->request_apply();
-  if (request.op == Op::kRollback) supervisor_->request_roll_back();
-  if (request.op == Op::kFreeze) supervisor_->set_frozen(request.on);
+void SimulatedCamera::handle(const daemon::CalibrationCommand& command, Stamp now) {
+  using Kind = daemon::CalibrationCommand::Kind;
+  monitoring::SupervisorActions actions;
+  if (command.kind == Kind::kRecalibrate) actions = supervisor_->request_recalibration(now);
+  if (command.kind == Kind::kUse) {
+    actions = supervisor_->use(command.calibration, now);
+    decision_ = command.decision;
+  }
+  if (command.kind == Kind::kFreeze) actions = supervisor_->freeze(command.frozen, now);
+  if (actions.calibration_changed) restart_evidence(now);
+  commanded_ = true;
+}
+
+void SimulatedCamera::restart_evidence(Stamp now) {
+  detector_->restart();
+  last_without_evidence_ = now;
 }
 
 void SimulatedCamera::move(const FaultSchedule& faults) {
@@ -105,7 +118,7 @@ monitoring::MonitorReport SimulatedCamera::report_of(Stamp now, const FaultSched
 
 monitoring::Reestimate SimulatedCamera::reestimate(const FaultSchedule& faults) {
   constexpr double kRotationSigma = 6e-4, kTranslationSigma = 5e-3;
-  monitoring::Reestimate result;
+  monitoring::Reestimate result{.T_initial = supervisor_->current()};
   result.scenes = 30;
   if (faults.has(name_, "unclear")) {
     result.reason = "the restarts do not converge";
@@ -136,19 +149,17 @@ std::optional<daemon::CalibrationReport> SimulatedCamera::observe(Stamp now, boo
   }
   monitoring::MonitorReport monitor = report_of(now, faults);
   monitor.evaluated = evaluated;
-  const double scene_age =
-      monitor.since == Stamp::earliest() ? 60 : to_seconds(now - monitor.since);
+  const double scene_age = monitor.since == Stamp::earliest()
+                               ? 60
+                               : to_seconds(now - supervisor_->scenes_since(monitor));
   const auto scenes = static_cast<size_t>(std::clamp(scene_age / 2, 0.0, 60.0));
   const monitoring::SupervisorActions actions = supervisor_->process(monitor, scenes);
-  if (actions.calibration_changed) {
-    detector_->restart();
-    last_without_evidence_ = now;
-  }
+  if (actions.calibration_changed) restart_evidence(now);
   if (actions.start_reestimation) {
     last_result_ = reestimate(faults);
     supervisor_->finish_reestimation(*last_result_);
   }
-  const bool changed = actions.state_changed || actions.calibration_changed;
+  const bool changed = actions.changed() || std::exchange(commanded_, false);
   if (!changed && reported_at_ && now - *reported_at_ < daemon::CalibrationGuard::kReportInterval) {
     return std::nullopt;
   }
@@ -165,14 +176,18 @@ daemon::CalibrationReport SimulatedCamera::daemon_report(const monitoring::Monit
   report.since = since_;
   report.policy = settings_.supervisor.policy;
   report.frozen = supervisor_->frozen();
-  report.proposed = supervisor_->proposal().has_value();
-  report.can_roll_back = supervisor_->can_roll_back();
+  report.decision = decision_;
+  if (const auto& proposal = supervisor_->proposal()) {
+    report.proposal = {proposal->T_camera_lidar, proposal->covariance, proposal->moved,
+                       proposal->scenes,         proposal->reason,     proposal->T_initial};
+  }
   report.T_camera_lidar = supervisor_->current();
   report.evaluations = evaluations_;
   report.verdict = monitor.verdict;
   if (last_result_) {
-    report.estimate = {last_result_->T_camera_lidar, last_result_->covariance, last_result_->moved,
-                       last_result_->scenes, last_result_->reason};
+    report.estimate = {last_result_->T_camera_lidar, last_result_->covariance,
+                       last_result_->moved,          last_result_->scenes,
+                       last_result_->reason,         last_result_->T_initial};
   }
   for (const monitoring::HistoryEntry& entry : supervisor_->history()) {
     report.history.push_back({entry.stamp, entry.state, entry.what, entry.T_camera_lidar});

@@ -4,9 +4,9 @@
 #include <random>
 #include <string>
 
+#include "daemon/calibration/calibration_command.hpp"
 #include "daemon/config/calibration_settings.hpp"
 #include "daemon/protocol/reports.hpp"
-#include "daemon/protocol/request.hpp"
 #include "tests/study/months/fault.hpp"
 
 namespace infuse::study {
@@ -30,8 +30,8 @@ class SimulatedCamera {
   std::optional<daemon::CalibrationReport> observe(Stamp now, bool observed,
                                                    const FaultSchedule& faults);
 
-  /// A request of the owner.
-  void handle(const daemon::Request& request);
+  /// A command of the owner.
+  void handle(const daemon::CalibrationCommand& command, Stamp now);
 
   const Eigen::Isometry3d& T_true() const { return T_true_; }
   const Eigen::Isometry3d& T_used() const { return supervisor_->current(); }
@@ -43,6 +43,7 @@ class SimulatedCamera {
   monitoring::MonitorReport report_of(Stamp now, const FaultSchedule& faults);
   monitoring::Reestimate reestimate(const FaultSchedule& faults);
   daemon::CalibrationReport daemon_report(const monitoring::MonitorReport& monitor);
+  void restart_evidence(Stamp now);
   double noise(double sigma) { return std::normal_distribution<double>(0, sigma)(random_); }
 
   std::string name_;
@@ -56,6 +57,8 @@ class SimulatedCamera {
   std::optional<monitoring::Reestimate> last_result_;
   Stamp since_;
   uint64_t evaluations_ = 0;
+  uint64_t decision_ = 0;
+  bool commanded_ = false;  // since the last observation
 };
 
 }  // namespace infuse::study

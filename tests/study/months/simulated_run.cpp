@@ -48,8 +48,8 @@ SimulatedRun::SimulatedRun(const std::filesystem::path& config_file,
                      config_file_, config_, host_->calibration_damage());
 }
 
-void SimulatedRun::connect(daemon::DaemonHost::RequestHandler on_request) {
-  host_->connect(*publisher_, std::move(on_request), [this](const daemon::Request& request) {
+void SimulatedRun::connect(daemon::DaemonHost::CommandHandler on_command) {
+  host_->connect(*publisher_, std::move(on_command), [this](const daemon::Request& request) {
     return recordings_->handle_request(request);
   });
 }

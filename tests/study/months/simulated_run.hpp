@@ -21,8 +21,8 @@ class SimulatedRun {
   SimulatedRun(const std::filesystem::path& config_file, const std::filesystem::path& state,
                std::function<Stamp()> now);
 
-  /// Restores what is frozen, and accepts requests; `on_request` handles those for calibrations.
-  void connect(daemon::DaemonHost::RequestHandler on_request);
+  /// Restores what is frozen, and accepts requests; `on_command` handles commands for calibrations.
+  void connect(daemon::DaemonHost::CommandHandler on_command);
 
   /// Publishes an item of the fusion thread.
   void push(const daemon::ReportItem& item);
@@ -35,7 +35,7 @@ class SimulatedRun {
   /// Ends as at SIGTERM. Without it, the destructor is a crash: nothing is written any more.
   void finish();
 
-  Result<void> handle_request(const daemon::Request& request) {
+  Result<std::string> handle_request(const daemon::Request& request) {
     return host_->handle_request(request);
   }
   daemon::Publisher& publisher() { return *publisher_; }

@@ -5,8 +5,9 @@
 
 #include <csignal>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
-#include "daemon/calibration/request_check.hpp"
+#include "daemon/calibration/saved_calibrations.hpp"
 #include "daemon/history/history_file.hpp"
 
 namespace infuse::study {
@@ -83,6 +84,26 @@ constexpr const char* kDbc =
     " SG_ RIGHT : 16|16@1- (0.01,0) [0|0] \"m/s\" X\n"
     " SG_ YAW : 32|16@1- (0.01,0) [0|0] \"deg/s\" X\n";
 
+/// The file of the calibrations as the release before wrote it.
+std::string in_form_1(const std::string& text) {
+  const auto saved = daemon::parse_calibrations(text);
+  nlohmann::json json = {{"form", 1}, {"cameras", nlohmann::json::array()}};
+  if (!saved) return json.dump();
+  const auto numbers = [](const Eigen::Isometry3d& T) {
+    const Eigen::Matrix4d by_column = T.matrix().transpose();
+    return std::vector<double>(by_column.data(), by_column.data() + 16);
+  };
+  for (const daemon::CameraCalibrations& camera : saved->cameras) {
+    const daemon::KnownCalibration& used = *camera.find(camera.in_use);
+    json["cameras"].push_back(
+        {{"camera", camera.camera},
+         {"since_ns", used.stamp.ns()},
+         {"T_camera_lidar_configured", numbers(camera.T_camera_lidar_configured)},
+         {"T_camera_lidar", numbers(used.T_camera_lidar)}});
+  }
+  return json.dump();
+}
+
 Eigen::Isometry3d configured_pose() {
   Eigen::Matrix4d matrix;
   matrix << 0, -1, 0, 0, 0, 0, -1, 0, 1, 0, 0, 0, 0, 0, 0, 1;
@@ -156,21 +177,13 @@ void Simulation::start_run() {
   const auto& cameras = run_->setup().rig.cameras;
   camera_.restart(cameras.empty() ? configured_pose() : cameras[0].T_camera_lidar,
                   run_->config().calibration);
-  run_->connect([this](const Request& request) { return handle_request(request); });
+  run_->connect(
+      [this](const daemon::CalibrationCommand& command) { camera_.handle(command, now()); });
   not_deskewed_ = 0;
   daemon::ReportItem item = run_->make_item();
   item.stamp = now();
   run_->push(item);
   run_->work();
-}
-
-// As Pipeline::handle_request.
-Result<void> Simulation::handle_request(const Request& request) {
-  if (auto wrong = daemon::check_request(request, run_->publisher().totals().calibrations)) {
-    return tl::unexpected(*wrong);
-  }
-  camera_.handle(request);
-  return {};
 }
 
 void Simulation::watch_run() {
@@ -291,8 +304,8 @@ void Simulation::apply_file_event(const Fault& fault) {
   const fs::path calibrations = state() / daemon::kCalibrationsFile, runs = state() / "state.json";
   const std::string what = fault.subject + " " + fault.kind;
   if (what == "calibrations damaged") write_text(calibrations, "{\"form\": 1, \"cameras\": [{");
-  if (what == "calibrations newer") write_text(calibrations, "{\"form\": 2, \"cameras\": {}}");
-  if (what == "calibrations older") replace_in(calibrations, "\"frozen\": false,", "");
+  if (what == "calibrations newer") write_text(calibrations, "{\"form\": 3, \"cameras\": {}}");
+  if (what == "calibrations older") write_text(calibrations, in_form_1(read_text(calibrations)));
   if (what == "state damaged") write_text(runs, "\0\0\0\0");
   if (what == "state newer") replace_in(runs, "\"form\": 1", "\"form\": 2");
   if (what == "history damaged") {

@@ -70,7 +70,6 @@ class Simulation {
   void write_config() const;
   void start_run();
   void watch_run();
-  Result<void> handle_request(const daemon::Request& request);
   void apply_events();
   void apply_service_event(const Fault& fault);
   void apply_host_event(const Fault& fault);
