@@ -31,6 +31,23 @@ double gnss_speed_noise(const OdometryOptions& options, double interval) {
   return options.gnss_speed_noise * std::max(kLeast, std::sqrt(kStatedInterval / interval));
 }
 
+/// Errors of its course last for a second, whatever its rate: more fixes do not measure it better.
+double gnss_course_noise(const OdometryOptions& options, double interval) {
+  constexpr double kLasts = 1, kLeastInterval = 0.1;  // s
+  return options.gnss_course_noise *
+         std::sqrt(std::max(1.0, kLasts / std::max(interval, kLeastInterval)));
+}
+
+/// True if wheels that rest `since`, after they turned until `turned`, are those of a vehicle that
+/// slides: none brakes so fast (tyres on dry road hold 1.2 g), and on ice it brakes by 0.1 g.
+bool are_locked(double speed, Stamp turned, Stamp since, Stamp now) {
+  constexpr double kMaxBraking = 12, kIce = 1;  // m/s²
+  constexpr double kUnseen = 1;                 // m/s, below which sensors of wheels see no teeth
+  if (turned == Stamp::earliest()) return false;
+  return std::abs(speed) > kMaxBraking * to_seconds(since - turned) + kUnseen &&
+         to_seconds(now - since) < std::abs(speed) / kIce;
+}
+
 /// Error along the path of a lidar's motion that contradicts the speed of wheels, m; 0 if it does
 /// not.
 double contradiction_along(const RelativePoseUpdate& update, double seconds) {
@@ -168,9 +185,11 @@ void OdometryFilter::update(const WheelOdometry& sample) {
 
 // Wheels slip: where another source measures the speed, they do not overrule it by persistence.
 void OdometryFilter::update_wheel_speeds(const WheelOdometry& sample) {
-  const bool checked = sources_.speed_known(now_, OdometrySource::kWheels);
+  const OdometrySource source =
+      any_finite(sample.wheel_speed) ? OdometrySource::kWheels : OdometrySource::kSpeed;
+  const bool checked = sources_.speed_known(now_, source);
   if (wheels_suspended_ && checked && !readmit_wheels(sample)) {
-    record(OdometrySource::kWheels, false);
+    record(source, false);
     at_rest_since_ = Stamp::latest();
     return;
   }
@@ -178,13 +197,19 @@ void OdometryFilter::update_wheel_speeds(const WheelOdometry& sample) {
   const auto turns = [&](double v) { return std::abs(v) > options_.standstill_speed; };
   const bool at_rest = std::none_of(sample.wheel_speed.begin(), sample.wheel_speed.end(), turns) &&
                        !turns(sample.speed);
+  if (!checked && at_rest) {
+    const Stamp since = std::min(at_rest_since_, now_);
+    if (are_locked(state_.speed(), sources_[source].last_accepted, since, now_)) {
+      at_rest_since_ = since;
+      return record(source, false);
+    }
+  }
   if (!checked) detect_standstill(at_rest);
   const bool accepted = state_.update_wheels(sample) >= 1;
-  record(OdometrySource::kWheels, accepted,
-         checked ? nullptr : &OdometryState::reset_speed_covariance);
+  record(source, accepted, checked ? nullptr : &OdometryState::reset_speed_covariance);
   if (checked) {
     detect_standstill(at_rest && accepted);
-    const Stamp since = sources_[OdometrySource::kWheels].rejected_since;
+    const Stamp since = sources_[source].rejected_since;
     wheels_suspended_ = !accepted && now_ - since >= kSlipAfter;
     wheels_agree_since_ = Stamp::latest();
   }
@@ -222,10 +247,14 @@ void OdometryFilter::update(const GnssFix& fix) {
     record(OdometrySource::kGnssPosition, *agrees);
     if (!*agrees) return;
   }
+  const double interval =
+      last_course_stamp_ == Stamp::earliest() ? 1 : to_seconds(now_ - last_course_stamp_);
+  if (std::isfinite(fix.course)) last_course_stamp_ = now_;
   if (std::isfinite(fix.speed)) update_gnss_speed(fix.speed);
   if (state_.speed() > kMinCourseSpeed) {
     if (std::isfinite(fix.course)) {
-      record(OdometrySource::kGnssCourse, state_.update_gnss_course(fix.course));
+      record(OdometrySource::kGnssCourse,
+             state_.update_gnss_course(fix.course, gnss_course_noise(options_, interval)));
     }
   } else if (sources_.carries(OdometrySource::kGnssSpeed, now_) &&
              !sources_.rotation_known(now_, OdometrySource::kGnssCourse)) {
@@ -261,7 +290,7 @@ void OdometryFilter::update_gnss_speed(double measured) {
 // Wheels and receiver disagree, and nothing else measures the speed: wrong is the one whose speed
 // has changed more since they agreed.
 bool OdometryFilter::wheels_slip(double gnss_speed) const {
-  if (!speed_agreement_ || wheels_suspended_ || !sources_.carries(OdometrySource::kWheels, now_) ||
+  if (!speed_agreement_ || wheels_suspended_ || !has_wheels() ||
       sources_.measures_speed(OdometrySource::kLidar, now_) ||
       now_ - speed_agreement_->stamp > options_.max_gnss_silence) {
     return false;
@@ -279,7 +308,7 @@ void OdometryFilter::add(const RelativePose& pose) {
   const double seconds = to_seconds(pose.to - pose.from);
   const double contradiction = contradiction_along(result, seconds);
   if (!result.accepted && result.informative && believe_lidar(pose, result)) {
-    const bool wheels = sources_.carries(OdometrySource::kWheels, now_);
+    const bool wheels = has_wheels();
     const bool slip = wheels && contradiction != 0;
     if (slip) {
       wheels_suspended_ = true;
@@ -316,7 +345,7 @@ bool OdometryFilter::believe_lidar(const RelativePose& pose,
   const bool gnss = sources_.carries(OdometrySource::kGnssSpeed, now_);
   const bool follows = last_relative_pose_ && last_relative_pose_->to == pose.from;
   const double seconds = to_seconds(pose.to - pose.from);
-  if (sources_.carries(OdometrySource::kWheels, now_)) {
+  if (has_wheels()) {
     // A yaw rate says nothing of roll and pitch.
     const bool gyros = sources_.carries(OdometrySource::kGyro, now_);
     const double rotation = gyros ? update.error.head<3>().norm() : std::abs(update.error[2]);
@@ -337,7 +366,7 @@ bool OdometryFilter::believe_lidar(const RelativePose& pose,
     }
   }
   if (!gnss) {
-    return sources_.carries(OdometrySource::kWheels, now_) ||
+    return has_wheels() ||
            sources_[OdometrySource::kLidar].rejected_in_a_row + 1 >= kMaxLidarRejections;
   }
   const double speed = pose.T_from_to.translation().norm() / seconds;
@@ -391,6 +420,13 @@ OdometryReport OdometryFilter::report() const {
     report.gyro_bias[i] = state_.parameter(OdometryState::kGyroBias + static_cast<int>(i));
   }
   report.steering_zero = state_.parameter(OdometryState::kSteeringZero);
+  report.steering_gain = state_.parameter(OdometryState::kSteeringGain);
+  // A sample holds until the next: on average it is half an interval later than it is used.
+  report.yaw_rate_delay = state_.parameter(OdometryState::kYawRateDelay);
+  report.yaw_rate_delay.value -= 0.5 * sources_[OdometrySource::kYawRate].interval;
+  report.imu_delay = state_.parameter(OdometryState::kGyroDelay);
+  report.imu_delay.value -= 0.5 * sources_[OdometrySource::kGyro].interval;
+  report.gnss_delay = state_.parameter(OdometryState::kGnssDelay);
   report.speed = state_.speed();
   report.speed_sigma = state_.speed_sigma();
   report.yaw_rate_sigma = state_.yaw_rate_sigma();
@@ -400,8 +436,10 @@ OdometryReport OdometryFilter::report() const {
     report.carries[i] = sources_.carries(source, now_);
   }
   report.angular_velocity = state_.angular_velocity();
-  report.standing =
-      at_rest_since_ != Stamp::latest() && now_ - at_rest_since_ >= options_.standstill_after;
+  // Wheels that are locked rest too, but the speed is not theirs.
+  report.standing = at_rest_since_ != Stamp::latest() &&
+                    now_ - at_rest_since_ >= options_.standstill_after &&
+                    std::abs(state_.speed()) < 2 * options_.standstill_speed;
   report.late = late_;
   report.outliers = outliers_;
   report.invalid_samples = invalid_samples_;

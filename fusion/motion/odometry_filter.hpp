@@ -16,9 +16,12 @@ struct OdometryReport {
   EstimatedParameter yaw_rate_bias;             ///< rad/s, of `WheelOdometry::yaw_rate`
   std::array<EstimatedParameter, 3> gyro_bias;  ///< rad/s, of `ImuSample`; planar: z only
   EstimatedParameter steering_zero;             ///< rad at the steering wheel when driving straight
-  double speed = 0;                             ///< m/s along x
-  double speed_sigma = 0;                       ///< m/s, standard deviation of `speed`
-  double yaw_rate_sigma = 0;                    ///< rad/s, of the angular velocity about z
+  EstimatedParameter steering_gain;             ///< road wheel angle over steering wheel angle
+  /// s from measurement to stamp, beyond the options'.
+  EstimatedParameter yaw_rate_delay, imu_delay, gnss_delay;
+  double speed = 0;           ///< m/s along x
+  double speed_sigma = 0;     ///< m/s, standard deviation of `speed`
+  double yaw_rate_sigma = 0;  ///< rad/s, of the angular velocity about z
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< rad/s, vehicle frame
   bool standing = false;
   std::array<SourceRecord, kOdometrySources> sources;
@@ -77,7 +80,12 @@ class OdometryFilter {
 
   /// True while wheels measure how the vehicle moves, in a model that leaves no direction out.
   bool wheels_measure_motion() const {
-    return carries(OdometrySource::kWheels) && !wheels_suspended_ && !options_.planar;
+    return has_wheels() && !wheels_suspended_ && !options_.planar;
+  }
+
+  /// True while wheels, or what states the vehicle's speed instead, measure it.
+  bool has_wheels() const {
+    return carries(OdometrySource::kWheels) || carries(OdometrySource::kSpeed);
   }
 
   OdometryReport report() const;
@@ -124,6 +132,7 @@ class OdometryFilter {
   };
   std::optional<SpeedAgreement> speed_agreement_;
   Stamp last_gnss_speed_stamp_ = Stamp::earliest();
+  Stamp last_course_stamp_ = Stamp::earliest();
   bool wheels_suspended_ = false;
   Stamp wheels_agree_since_ = Stamp::latest();  // while suspended
   Stamp last_steering_stamp_ = Stamp::earliest();

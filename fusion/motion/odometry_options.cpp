@@ -26,10 +26,12 @@ std::optional<std::string> OdometryOptions::invalid() const {
     if (!(noise > 0)) return "the noise of a sensor must be positive";
   }
   for (const double sigma :
-       {acceleration_walk, angular_velocity_walk, tilt_rate_walk, translation_walk, rotation_walk,
-        yaw_bias_sigma, gyro_bias_sigma, bias_walk, wheel_scale_sigma, wheel_scale_walk,
-        steering_zero_sigma, east_heading_sigma, frame_tilt_sigma, lidar_rotation_drift,
-        lidar_translation_drift, velocity_walk}) {
+       {acceleration_walk,    angular_velocity_walk, tilt_rate_walk,          translation_walk,
+        rotation_walk,        yaw_bias_sigma,        gyro_bias_sigma,         bias_walk,
+        wheel_scale_sigma,    wheel_scale_walk,      steering_zero_sigma,     east_heading_sigma,
+        frame_tilt_sigma,     lidar_rotation_drift,  lidar_translation_drift, velocity_walk,
+        yaw_rate_delay_sigma, imu_delay_sigma,       gnss_delay_sigma,        delay_walk,
+        side_slip_sigma,      gnss_lever_sigma}) {
     if (!(sigma >= 0)) return "a standard deviation must not be negative";
   }
   return std::nullopt;

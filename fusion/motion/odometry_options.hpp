@@ -16,7 +16,8 @@ struct OdometryOptions {
                               ///< the frame of a lidar whose mounting is not known
   double wheelbase = 2.7;     ///< m
   double track = 1.55;        ///< m between left and right wheels
-  double steering_ratio = 0;  ///< steering wheel angle to road wheel angle; 0: steering is not used
+  double steering_ratio = 0;  ///< steering wheel angle to road wheel angle; 0: unknown, it is
+                              ///< estimated
   double characteristic_speed = 24;  ///< m/s at which understeer halves the steering response
 
   Duration wheel_delay{0};            ///< ns from measurement to stamp, subtracted
@@ -56,13 +57,19 @@ struct OdometryOptions {
   double translation_walk = 0.03;  ///< m per √s, translation not seen by the wheels, while moving
   double rotation_walk = 2e-4;     ///< rad per √s, rotation not seen by the gyros, while moving
 
-  double yaw_bias_sigma = 0.01;       ///< rad/s, initial
-  double gyro_bias_sigma = 0.01;      ///< rad/s, initial
-  double bias_walk = 3e-5;            ///< rad/s per √s
-  double wheel_scale = 1;             ///< true over measured speed, initial
-  double wheel_scale_sigma = 0.01;    ///< initial
-  double wheel_scale_walk = 1e-5;     ///< per √s
-  double steering_zero_sigma = 0.01;  ///< rad at the steering wheel, including road camber
+  double yaw_bias_sigma = 0.01;        ///< rad/s, initial
+  double gyro_bias_sigma = 0.01;       ///< rad/s, initial
+  double bias_walk = 3e-5;             ///< rad/s per √s
+  double wheel_scale = 1;              ///< true over measured speed, initial
+  double wheel_scale_sigma = 0.01;     ///< initial
+  double wheel_scale_walk = 1e-5;      ///< per √s
+  double steering_zero_sigma = 0.01;   ///< rad at the steering wheel, including road camber
+  double yaw_rate_delay_sigma = 0.05;  ///< s, initial: what remains of `wheel_delay`
+  double imu_delay_sigma = 0.05;       ///< s, the same
+  double gnss_delay_sigma = 0.1;       ///< s, the same; receivers state speeds 0.1 to 0.4 s late
+  double delay_walk = 0.002;           ///< s per √s
+  double side_slip_sigma = 0.005;      ///< rad per m/s² across: a car at its rear axle
+  double gnss_lever_sigma = 1.5;       ///< m along the vehicle: a receiver may be anywhere on it
   Duration steering_zero_time_constant{20'000'000'000};  ///< ns, time constant of its change
 
   /// Returns what is wrong with the options, or nothing.

@@ -10,6 +10,7 @@ namespace infuse::motion {
 /// Sources of odometry.
 enum class OdometrySource : uint8_t {
   kWheels,
+  kSpeed,  ///< one speed of the vehicle, whatever measures it
   kYawRate,
   kGyro,
   kGnssSpeed,
@@ -22,7 +23,7 @@ inline constexpr size_t kOdometrySources = static_cast<size_t>(OdometrySource::k
 
 /// Names of the sources, in their order.
 inline constexpr std::array<const char*, kOdometrySources> kOdometrySourceNames = {
-    "wheels", "yaw rate", "gyro", "gnss speed", "gnss course", "gnss position", "lidar"};
+    "wheels", "speed", "yaw rate", "gyro", "gnss speed", "gnss course", "gnss position", "lidar"};
 
 /// What became of the samples of one source.
 struct SourceRecord {
@@ -33,6 +34,7 @@ struct SourceRecord {
   Stamp last_rotation = Stamp::earliest();  ///< that measured the rotation about z, the same
   Stamp rejected_since = Stamp::latest();   ///< latest: the last sample was accepted
   uint64_t rejected_in_a_row = 0;
+  double interval = 0;  ///< s, mean between the last accepted samples
 };
 
 /// Supervision of the sources: which of them carry the odometry now.

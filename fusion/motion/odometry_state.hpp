@@ -63,8 +63,14 @@ class OdometryState {
     kLateralVelocity = 24,   ///< m/s along y; 0 with `moves_forward`
     kVerticalVelocity = 25,  ///< m/s along z, the same
     kFrameTilt = 26,         ///< rad about x and y: the odometry frame, relative to a level one
-    kMotionSize = 28,
-    kSize = 46,  ///< with the clones
+    kSteeringGain = 28,      ///< road wheel angle over steering wheel angle
+    kYawRateDelay = 29,      ///< s from measurement to stamp; with half an interval of samples
+    kGyroDelay = 30,         ///< s, the same of the inertial unit
+    kGnssDelay = 31,         ///< s, the same of the GNSS receiver, without the half interval
+    kSideSlip = 32,          ///< rad of the course per m/s² across: course minus heading
+    kGnssLever = 33,         ///< m ahead of the rear axle, of the GNSS receiver
+    kMotionSize = 34,
+    kSize = 52,  ///< with the clones
   };
   static constexpr size_t kMaxClones = (kSize - kMotionSize) / 6;
   using Vector = Eigen::Matrix<double, kSize, 1>;
@@ -90,8 +96,8 @@ class OdometryState {
   bool update_gyro(const AngularVelocity& measured);
   bool update_gravity(const ImuSample& sample);
   bool update_steering(double steering_angle);
-  bool update_gnss_speed(double speed, double noise);  ///< noise: m/s
-  bool update_gnss_course(double course);
+  bool update_gnss_speed(double speed, double noise);           ///< noise: m/s
+  bool update_gnss_course(double course, double course_noise);  ///< noise: rad at 10 m/s
   /// Limits the yaw rate by the minimum turning radius (5 m).
   bool update_slow_turn();
   /// Updates with zero speed and rotation.
@@ -147,6 +153,8 @@ class OdometryState {
   }
   /// 1: forward, −1: reverse.
   double driving_direction() const;
+  /// rad/s², of the last tenths of a second.
+  Eigen::Vector3d angular_acceleration() const;
   /// Derivative of `speed()`'s magnitude; along x where the vehicle stands.
   Vector speed_derivative() const;
   bool update(double innovation, const Vector& derivative, double noise, double gate);
@@ -170,6 +178,8 @@ class OdometryState {
   RecentMatrix recent_ = RecentMatrix::Zero();
   std::array<Clone, kMaxClones> clones_;
   bool has_wheels_ = false;
+  // Angular velocity, delayed: what the present one exceeds it by is the angular acceleration.
+  Eigen::Vector3d slow_angular_velocity_ = Eigen::Vector3d::Zero();
 };
 
 }  // namespace infuse::motion

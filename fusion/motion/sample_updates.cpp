@@ -60,8 +60,10 @@ bool OdometryState::agrees(const WheelOdometry& sample, double tolerance) const 
 bool OdometryState::update_yaw_rate(double yaw_rate) {
   Vector H = Vector::Zero();
   H[kAngularVelocity + 2] = H[kYawRateBias] = 1;
-  return update(yaw_rate - x_[kAngularVelocity + 2] - x_[kYawRateBias], H, options_.yaw_rate_noise,
-                kGateSigmas);
+  H[kYawRateDelay] = -angular_acceleration().z();
+  const double expected =
+      x_[kAngularVelocity + 2] + x_[kYawRateBias] + H[kYawRateDelay] * x_[kYawRateDelay];
+  return update(yaw_rate - expected, H, options_.yaw_rate_noise, kGateSigmas);
 }
 
 bool OdometryState::update_gyro(const ImuSample& sample) {
@@ -70,11 +72,14 @@ bool OdometryState::update_gyro(const ImuSample& sample) {
 
 bool OdometryState::update_gyro(const AngularVelocity& measured) {
   bool accepted = true;
+  const Eigen::Vector3d change = angular_acceleration();
   for (int i = options_.planar ? 2 : 0; i < 3; ++i) {
     if (!std::isfinite(measured.value[static_cast<size_t>(i)])) continue;
     Vector H = Vector::Zero();
     H[kAngularVelocity + i] = H[kGyroBias + i] = 1;
-    const double expected = x_[kAngularVelocity + i] + x_[kGyroBias + i];
+    if (i == 2) H[kGyroDelay] = -change.z();  // roll and pitch shake: their changes are noise
+    const double expected =
+        x_[kAngularVelocity + i] + x_[kGyroBias + i] + H[kGyroDelay] * x_[kGyroDelay];
     accepted =
         update(measured.value[static_cast<size_t>(i)] - expected, H, measured.noise, kGateSigmas) &&
         accepted;
@@ -114,17 +119,17 @@ bool OdometryState::update_gravity(const ImuSample& sample) {
 bool OdometryState::update_steering(double steering_angle) {
   constexpr double kMaxBicycleSteeringAngle = 0.5;  // rad at the steering wheel; range of the
                                                     // bicycle model
-  if (options_.steering_ratio <= 0 || !(std::abs(steering_angle) < kMaxBicycleSteeringAngle))
-    return false;
+  if (!(std::abs(steering_angle) < kMaxBicycleSteeringAngle)) return false;
   const double v = speed();
   const double relative_speed = v / options_.characteristic_speed;
-  const double response =
-      v / (options_.steering_ratio * options_.wheelbase * (1 + relative_speed * relative_speed));
+  const double response = v / (options_.wheelbase * (1 + relative_speed * relative_speed));
+  const double angle = steering_angle - x_[kSteeringZero];
   Vector H = Vector::Zero();
   H[kAngularVelocity + 2] = 1;
-  H[kSteeringZero] = response;
-  const double expected = x_[kAngularVelocity + 2] + response * x_[kSteeringZero];
-  if (!update(response * steering_angle - expected, H, options_.steering_noise, kGateSigmas)) {
+  H[kSteeringZero] = response * x_[kSteeringGain];
+  H[kSteeringGain] = -response * angle;
+  if (!update(response * x_[kSteeringGain] * angle - x_[kAngularVelocity + 2], H,
+              options_.steering_noise, kGateSigmas)) {
     return false;
   }
   // Roads are straight on average; so is the steering at speed.
@@ -139,7 +144,10 @@ bool OdometryState::update_steering(double steering_angle) {
 }
 
 bool OdometryState::update_gnss_speed(double measured, double noise) {
-  return update(measured - driving_direction() * speed(), speed_derivative(), noise, kGateSigmas);
+  Vector H = speed_derivative();
+  H[kGnssDelay] = -driving_direction() * x_[kWheelScale] * x_[kAcceleration];
+  const double expected = driving_direction() * speed() + H[kGnssDelay] * x_[kGnssDelay];
+  return update(measured - expected, H, noise, kGateSigmas);
 }
 
 // A receiver does not tell forward from reverse. A speed that is not known yet is near 0 with
@@ -168,7 +176,7 @@ double OdometryState::speed_sigma() const {
   return std::sqrt(H.dot(P_ * H));
 }
 
-bool OdometryState::update_gnss_course(double course) {
+bool OdometryState::update_gnss_course(double course, double course_noise) {
   constexpr double kFullCourseSpeed = 10;  // m/s
   Vector H = Vector::Zero();
   H[kPose + 2] = H[kEastHeading] = 1;
@@ -180,9 +188,16 @@ bool OdometryState::update_gnss_course(double course) {
     H[kSpeed] = x_[kWheelScale] * by_velocity.x();
     H.segment<2>(kLateralVelocity) = by_velocity.tail<2>().transpose();
   }
-  const double heading = std::atan2(ahead.y(), ahead.x()) + x_[kEastHeading];
-  const double noise =
-      options_.gnss_course_noise * std::max(1.0, kFullCourseSpeed / std::abs(speed()));
+  // The receiver moves in another direction than the rear axle points: the tyres slip across, and
+  // it is ahead of the axle, which a turn carries sideways. What it states is late.
+  const double rate = x_[kAngularVelocity + 2];
+  H[kSideSlip] = rate * speed();
+  H[kGnssLever] = rate / speed();
+  H[kGnssDelay] = -rate;
+  const double course_of_turn = H[kSideSlip] * x_[kSideSlip] + H[kGnssLever] * x_[kGnssLever] +
+                                H[kGnssDelay] * x_[kGnssDelay];
+  const double heading = std::atan2(ahead.y(), ahead.x()) + x_[kEastHeading] + course_of_turn;
+  const double noise = course_noise * std::max(1.0, kFullCourseSpeed / std::abs(speed()));
   return update(wrap_angle(std::numbers::pi / 2 - course - heading), H, noise, kGateSigmas);
 }
 
@@ -194,9 +209,15 @@ bool OdometryState::update_slow_turn() {
   return update(-x_[kAngularVelocity + 2], H, noise, kNoGateSigmas);
 }
 
+// A vehicle that turns does not stand, though its wheels do: it slides, or is carried.
 void OdometryState::update_standstill() {
   constexpr double kSpeedNoise = 0.01;      // m/s
   constexpr double kRotationNoise = 0.002;  // rad/s, for doors and wind
+  for (int i = 2; i >= (options_.planar ? 2 : 0); --i) {
+    Vector H = Vector::Zero();
+    H[kAngularVelocity + i] = 1;
+    if (!update(-x_[kAngularVelocity + i], H, kRotationNoise, kGateSigmas)) return;
+  }
   Vector H = Vector::Zero();
   H[kSpeed] = 1;
   update(-x_[kSpeed], H, kSpeedNoise, kNoGateSigmas);
@@ -209,11 +230,6 @@ void OdometryState::update_standstill() {
   H.setZero();
   H[kAcceleration] = 1;
   update(-x_[kAcceleration], H, 0.1, kNoGateSigmas);
-  for (int i = options_.planar ? 2 : 0; i < 3; ++i) {
-    H.setZero();
-    H[kAngularVelocity + i] = 1;
-    update(-x_[kAngularVelocity + i], H, kRotationNoise, kNoGateSigmas);
-  }
 }
 
 }  // namespace infuse::motion

@@ -100,6 +100,7 @@ struct Inputs {
   bool gyro = false;
   bool gnss_speed = false;       // during the first 10 s
   bool reference_course = true;  // during the first 10 s
+  bool steering_ratio = true;    // it is known
 };
 
 struct Drift {
@@ -120,7 +121,9 @@ Drift dead_reckon(const std::filesystem::path& folder, const Inputs& inputs) {
   const auto truth = read_truth(folder / "pose_ecef.csv");
   const auto dbc = vehicle::read_dbc(folder / "vehicle.dbc");
   auto decoder = vehicle::VehicleDecoder::create(dbc->dbc, rav4()).value();
-  OdometryFilter filter(rav4_options(), {.capacity = 10000});
+  OdometryOptions options = rav4_options();
+  if (!inputs.steering_ratio) options.steering_ratio = 0;
+  OdometryFilter filter(options, {.capacity = 10000});
   const Stamp begin = truth[10].stamp, learn_until = truth[0].stamp + Duration(10'000'000'000);
 
   // Initial pose: true position, course known to a few degrees.
@@ -259,6 +262,17 @@ TEST(Odometry, RealRav4FromTheBusAlone) {
     EXPECT_NEAR(drift.report.wheel_scale.value, 1, 1e-9);
     EXPECT_LT(std::abs(drift.wheel_scale - 1), 2 * drift.report.wheel_scale.sigma);
   }
+}
+
+// Nobody states the ratio: it is learned in bends, and the angle bounds the bias on straight roads.
+TEST(Odometry, RealRav4FromTheBusAloneLearnsItsSteeringRatio) {
+  INFUSE_REAL_DATA_OR_SKIP(path, "can/rav4");
+  const Drift drift = dead_reckon(path, {.reference_course = false, .steering_ratio = false});
+  record("bus, steering ratio unknown", drift);
+  EXPECT_LT(drift.max_position, 0.03 * drift.distance);
+  EXPECT_LT(std::abs(drift.heading), 2 * kDegree);
+  EXPECT_LT(std::abs(drift.report.yaw_rate_bias.value - drift.yaw_bias),
+            3 * drift.report.yaw_rate_bias.sigma);
 }
 
 }  // namespace

@@ -1,0 +1,152 @@
+// Errors of the sources that last: they are estimated, with their uncertainty, not rejected.
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+
+#include "drivers/measurement/angles.hpp"
+#include "tests/fusion/motion/simulated_sensors.hpp"
+
+namespace infuse::motion {
+namespace {
+
+constexpr double kTurnOfLidar = 0.1;  // s
+
+/// A town with crossings: it turns and brakes as cars do.
+TrueDrive crossings(double length) {
+  return TrueDrive(length, [](double t) {
+    geometry::Vector6 twist = geometry::Vector6::Zero();
+    twist[2] = 0.35 * std::pow(std::sin(0.35 * t), 3);
+    twist[3] = 9 + 4 * std::sin(0.5 * t);
+    return twist;
+  });
+}
+
+uint64_t rejected_courses(const OdometryFilter& filter) {
+  return filter.report().sources[static_cast<size_t>(OdometrySource::kGnssCourse)].rejected;
+}
+
+// At any rate of the samples, between which the last one holds.
+TEST(SlowErrors, DelaysAreFoundByTheLidarsMotion) {
+  constexpr double kDelay = 0.07;  // s
+  const TrueDrive drive = crossings(46);
+  for (const double interval : {0.1, 0.01}) {
+    for (const bool bus : {false, true}) {
+      SimulatedSensors sensors(drive, 1);
+      OdometryOptions options;
+      options.planar = false;
+      OdometryFilter filter(options);
+      double next = 0;
+      for (int i = 1; i < 450; ++i) {
+        const double t = kTurnOfLidar * i;
+        for (; next < t + 1e-9; next += interval) {
+          const double measured = std::max(0.0, next - kDelay);
+          ImuSample gyro = sensors.gyro(measured, {0.001, 0, 0.003});
+          WheelOdometry wheels = sensors.wheels(next);
+          wheels.yaw_rate = bus ? sensors.wheels(measured).yaw_rate : std::nan("");
+          gyro.stamp = wheels.stamp;
+          filter.add(wheels);
+          if (!bus) filter.add(gyro);
+        }
+        const RelativePose pose = sensors.lidar(t - kTurnOfLidar, t);
+        add_sweep(filter, t, i > 1 ? &pose : nullptr);
+      }
+      const OdometryReport report = filter.report();
+      const EstimatedParameter found = bus ? report.yaw_rate_delay : report.imu_delay;
+      EXPECT_NEAR(found.value, kDelay, 0.015) << interval << " " << bus;
+      EXPECT_LT(std::abs(found.value - kDelay), 3 * found.sigma);
+      EXPECT_LT(report.sources[static_cast<size_t>(OdometrySource::kLidar)].rejected, 3U);
+    }
+  }
+}
+
+/// Straight on; brakes from 13 s on by 6 m/s² to a stop.
+TrueDrive straight_then_stop() {
+  return TrueDrive(20, [](double t) {
+    geometry::Vector6 twist = geometry::Vector6::Zero();
+    twist[2] = t < 13 ? 0.06 * std::sin(0.7 * t) : 0;
+    twist[3] = std::clamp(9 - 6 * (t - 15), 0.0, 9.0);
+    return twist;
+  });
+}
+
+// Wheels that lock say 0 m/s at once: nobody brakes like that. A vehicle that brakes to a stop
+// stands.
+TEST(SlowErrors, LockedWheelsAreNoStandstill) {
+  const TrueDrive drive = straight_then_stop();
+  SimulatedSensors sensors(drive, 4);
+  OdometryFilter filter;
+  for (int i = 0; i < 1000; ++i) {
+    const double t = 0.02 * i;
+    WheelOdometry wheels = sensors.wheels(t, 1, 0.002);
+    const bool locked = t > 10 && t < 12;
+    if (locked) wheels.wheel_speed.fill(0);
+    filter.add(wheels);
+    const OdometryReport report = filter.report();
+    if (t > 10.05 && t < 12.05) {
+      EXPECT_FALSE(report.standing) << t;
+      EXPECT_TRUE(!filter.usable() || std::abs(report.speed - 9) < 0.5) << t << " " << report.speed;
+    }
+    if (t > 12.3 && t < 14.9) {
+      ASSERT_TRUE(filter.usable()) << t << " " << filter.reason();
+      EXPECT_NEAR(report.speed, 9, 0.5) << t;
+    }
+  }
+  EXPECT_TRUE(filter.report().standing);
+  EXPECT_NEAR(filter.report().yaw_rate_bias.value, 0.002, 0.001);
+}
+
+// A vehicle that is carried turns while its wheels rest: that is no bias of its gyros.
+TEST(SlowErrors, ATurnAtRestIsNotLearnedAsABias) {
+  const TrueDrive drive(40, [](double t) {
+    geometry::Vector6 twist = geometry::Vector6::Zero();
+    twist[2] = t > 20 ? 3 * kDegree : 0;
+    twist[3] = std::clamp(5 - 2 * (t - 5), 0.0, 5.0);
+    return twist;
+  });
+  SimulatedSensors sensors(drive, 5);
+  OdometryFilter filter;
+  for (int i = 0; i < 1900; ++i) filter.add(sensors.wheels(0.02 * i, 1, 0.003));
+  EXPECT_NEAR(filter.report().yaw_rate_bias.value, 0.003, 0.001);
+}
+
+// The course of a receiver beside the axle, in bends, is not the heading, and it is late.
+TEST(SlowErrors, ACourseThatSlipsLeavesTheHeading) {
+  constexpr double kSideSlip = 0.006, kLever = 1.0, kDelay = 0.15;  // rad per m/s², m, s
+  const TrueDrive drive = crossings(61);
+  std::array<double, 2> errors{};
+  for (const bool gnss : {false, true}) {
+    SimulatedSensors sensors(drive, 3);
+    OdometryOptions options;
+    options.planar = false;
+    options.east_heading_sigma = 10;
+    options.gnss_delay = Duration::zero();
+    OdometryFilter filter(options);
+    for (int i = 1; i < 600; ++i) {
+      const double t = kTurnOfLidar * i;
+      for (double s = t - kTurnOfLidar + 0.02; s < t + 1e-9; s += 0.02) {
+        filter.add(sensors.gyro(s, {0.001, 0, 0.003}));
+      }
+      if (gnss) {
+        const double s = std::max(0.0, t - kDelay);
+        GnssFix fix = sensors.gnss(s);
+        fix.stamp = seconds(t);
+        const geometry::Vector6 twist = drive.twist(s);
+        fix.course -= kSideSlip * twist[2] * twist[3] + kLever * twist[2] / twist[3];
+        filter.add(fix);
+      }
+      const RelativePose pose = sensors.lidar(t - kTurnOfLidar, t);
+      add_sweep(filter, t, i > 1 ? &pose : nullptr);
+    }
+    EXPECT_LT(rejected_courses(filter), 3U);
+    const auto motion = filter.trajectory().between(seconds(1), seconds(59));
+    const Eigen::Matrix3d truth = drive.pose(1).linear().transpose() * drive.pose(59).linear();
+    const double error = geometry::rotation_log(truth.transpose() * motion.T_from_to.linear()).z();
+    errors[gnss] = std::abs(error);
+  }
+  EXPECT_LT(errors[1], errors[0] + 0.1 * kDegree) << "a receiver does not make the heading worse";
+}
+
+}  // namespace
+}  // namespace infuse::motion
