@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 #include <numbers>
+#include <random>
 
 #include "drivers/measurement/angles.hpp"
 #include "fusion/registration/lidar_trajectory.hpp"
@@ -272,6 +273,33 @@ PointCloud open_field(unsigned seed, const Eigen::Isometry3d& T_field_lidar) {
 
 // The rings stay where they are seen from the vehicle, and noise tilts the ground's normals:
 // neither says that the vehicle stands.
+// Each sweep has a shell of noise around the lidar: there is always some plane near a point of it.
+TEST(LidarTrajectory, FindsNoMotionInRangesThatAreNoise) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> range(10, 1);
+  LidarTrajectory trajectory(Eigen::Isometry3d::Identity());
+  for (int k = 0; k < 4; ++k) {
+    Sweep sweep;
+    constexpr size_t kRings = 32, kColumns = 900;
+    sweep.resize(kRings * kColumns);
+    sweep.stamp = Stamp::from_ns(100'000'000 * k);
+    sweep.span = Duration(100'000'000);
+    for (size_t i = 0; i < sweep.size(); ++i) {
+      const double azimuth = -2 * std::numbers::pi * static_cast<double>(i / kRings) / kColumns;
+      const double elevation = (static_cast<double>(i % kRings) - 23) * 1.33 * kDegree;
+      const double r = range(random);
+      sweep.x[i] = static_cast<float>(r * std::cos(elevation) * std::cos(azimuth));
+      sweep.y[i] = static_cast<float>(r * std::cos(elevation) * std::sin(azimuth));
+      sweep.z[i] = static_cast<float>(r * std::sin(elevation));
+      sweep.range[i] = static_cast<float>(r);
+      sweep.ring[i] = static_cast<uint16_t>(i % kRings);
+      sweep.column[i] = static_cast<uint16_t>(i / kRings);
+      sweep.time_offset_ns[i] = static_cast<int32_t>(i / kRings) * 111'111;
+    }
+    EXPECT_FALSE(trajectory.add(sweep).usable()) << k;
+  }
+}
+
 TEST(LidarOdometry, ClaimsNoSpeedOnAnOpenField) {
   Eigen::Isometry3d T_vehicle_lidar = Eigen::Isometry3d::Identity();
   T_vehicle_lidar.translation().z() = 1.8;
