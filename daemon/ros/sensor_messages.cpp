@@ -47,6 +47,7 @@ SensorMessages::SensorMessages(MessageSetup setup, MessageSink& sink)
 
 std::map<std::string, std::string> SensorMessages::metadata() const {
   std::map<std::string, std::string> pairs;
+  for (const char* topic : kEstimateTopics) pairs[std::string("estimate ") + topic] = "of infuse";
   for (size_t k = 0; k < rig_.cameras.size(); ++k) {
     pairs["stamp_delay_sigma_ns " + camera_topics_[k].image] =
         std::to_string(rig_.cameras[k].stamp_delay_sigma.count());

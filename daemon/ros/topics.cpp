@@ -54,8 +54,7 @@ std::vector<TopicInfo> list_topics(const MessageSetup& setup) {
     add("/gnss/fix", ros::NavSatFix::kName);
     add("/gnss/vel", ros::TwistStamped::kName);
   }
-  add("/odometry/odom", ros::Odometry::kName);
-  add("/odometry/map", ros::Odometry::kName);
+  for (const char* topic : kEstimateTopics) add(topic, ros::Odometry::kName);
   add("/tf", ros::TfMessage::kName);
   add(kDiagnosticsTopic, ros::DiagnosticArray::kName);
   return topics;

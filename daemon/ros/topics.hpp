@@ -28,6 +28,8 @@ struct CameraTopics {
 std::string vehicle_topic(bool from_bus);
 
 inline constexpr const char* kTransformsTopic = "/tf_static";
+/// Topics of what infuse estimates: an import takes them for no sensor's.
+inline constexpr const char* kEstimateTopics[] = {"/odometry/odom", "/odometry/map"};
 inline constexpr const char* kDiagnosticsTopic = "/diagnostics";
 
 /// A topic that a run may have.

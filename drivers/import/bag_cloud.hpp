@@ -14,7 +14,7 @@ namespace infuse::importers {
 /// (Velodyne); `timestamp` in doubles is an absolute time, in seconds (Hesai, RoboSense) or
 /// nanoseconds (Livox), by its size. Relative times count from `stamp`, where the sweep begins; if
 /// some are negative or if they are absolute, it begins at the smallest of them. Without such a
-/// field `has_times` is false.
+/// field, or where all returns have the same time, `has_times` is false.
 ///
 /// Errors: a big-endian cloud, fields outside a point, times that span more than 2 s.
 Result<void> to_sweep(const ros::PointCloud2& cloud, Stamp stamp, Sweep& sweep);

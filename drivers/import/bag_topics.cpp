@@ -173,6 +173,12 @@ bool is_over_ground(const BagTopic& topic, const std::string& fixes) {
          !topic.has_turns && (topic.has_y || !topic.has_x) && topic.unreadable < topic.messages;
 }
 
+/// Whether infuse wrote the topic, as what it made of the others: no sensor measured it.
+bool is_estimate(const BagSurvey& survey, const BagTopic& topic) {
+  const auto of_infuse = survey.metadata.find("infuse");
+  return of_infuse != survey.metadata.end() && of_infuse->second.contains("estimate " + topic.name);
+}
+
 /// The topics that `is_kind` accepts and that are not unreadable, and only the wanted ones if there
 /// are any among them.
 template <class IsKind>
@@ -184,6 +190,8 @@ std::vector<const BagTopic*> candidates(const BagSurvey& survey,
     if (!is_kind(topic)) continue;
     if (topic.unreadable == topic.messages) {
       selection.reasons[topic.name] = "its messages are not of its type";
+    } else if (is_estimate(survey, topic) && !wanted.contains(topic.name)) {
+      selection.reasons[topic.name] = "infuse estimated it from the other topics";
     } else {
       all.push_back(&topic);
     }

@@ -147,10 +147,15 @@ double find_intensity_scale(const std::vector<double>& intensity) {
   return max_intensity <= 1 ? 1 : max_intensity <= 255 ? 255 : 65535;
 }
 
+/// Whether returns were measured at different times: equal ones say nothing of them.
+bool times_differ(std::span<const int32_t> offsets) {
+  return std::ranges::adjacent_find(offsets, std::ranges::not_equal_to{}) != offsets.end();
+}
+
 /// Copies the points with the indices `order` to the sweep.
 void fill_sweep(const Columns& columns, std::span<const uint32_t> order, Sweep& sweep) {
   sweep.clear();
-  sweep.has_times = !columns[kTime].empty();
+  const bool has_times = !columns[kTime].empty();
   sweep.resize(order.size());
   const double scale = find_intensity_scale(columns[3]);
   for (size_t k = 0; k < order.size(); ++k) {
@@ -166,9 +171,10 @@ void fill_sweep(const Columns& columns, std::span<const uint32_t> order, Sweep& 
     sweep.reflectivity[k] =
         std::isfinite(intensity) ? static_cast<float>(std::clamp(intensity / scale, 0.0, 1.0)) : 0;
     sweep.time_offset_ns[k] =
-        sweep.has_times ? static_cast<int32_t>(std::nearbyint(columns[kTime][i])) : 0;
+        has_times ? static_cast<int32_t>(std::nearbyint(columns[kTime][i])) : 0;
     sweep.return_kind[k] = ReturnKind::kStrongest;
   }
+  sweep.has_times = times_differ(sweep.time_offset_ns);
 }
 
 /// Scales the times to nanoseconds after the sweep's stamp. Returns false if one of a point in

@@ -21,7 +21,7 @@ void add_binary(std::string& bytes, Value value) {
   bytes.append(raw.data(), raw.size());
 }
 
-// One packed record per return, identical in PCD and PLY.
+// One packed record per return, identical in PCD and PLY; times only where they are known.
 void add_records(std::string& bytes, const Sweep& sweep) {
   constexpr size_t kRecordBytes = 5 * 4 + 2 * 2 + 4 + 1;
   bytes.reserve(bytes.size() + kRecordBytes * sweep.size());
@@ -33,22 +33,20 @@ void add_records(std::string& bytes, const Sweep& sweep) {
     add_binary(bytes, sweep.reflectivity[i]);
     add_binary(bytes, sweep.ring[i]);
     add_binary(bytes, sweep.column[i]);
-    add_binary(bytes, sweep.time_offset_ns[i]);
+    if (sweep.has_times) add_binary(bytes, sweep.time_offset_ns[i]);
     add_binary(bytes, static_cast<uint8_t>(sweep.return_kind[i]));
   }
 }
 
 std::string to_pcd(const Sweep& sweep) {
   const std::string count = std::to_string(sweep.size());
+  const auto timed = [&](const char* text) { return sweep.has_times ? text : ""; };
   std::string bytes = "# .PCD v0.7\n# stamp_ns " + std::to_string(sweep.stamp.ns()) +
-                      "\nVERSION 0.7\n"
-                      "FIELDS x y z range intensity ring column time_offset_ns return_kind\n"
-                      "SIZE 4 4 4 4 4 2 2 4 1\n"
-                      "TYPE F F F F F U U I U\n"
-                      "COUNT 1 1 1 1 1 1 1 1 1\n"
-                      "WIDTH " +
-                      count + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count +
-                      "\nDATA binary\n";
+                      "\nVERSION 0.7\nFIELDS x y z range intensity ring column" +
+                      timed(" time_offset_ns") + " return_kind\nSIZE 4 4 4 4 4 2 2" + timed(" 4") +
+                      " 1\nTYPE F F F F F U U" + timed(" I") + " U\nCOUNT 1 1 1 1 1 1 1" +
+                      timed(" 1") + " 1\nWIDTH " + count +
+                      "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count + "\nDATA binary\n";
   add_records(bytes, sweep);
   return bytes;
 }
@@ -59,8 +57,9 @@ std::string to_ply(const Sweep& sweep) {
                       std::to_string(sweep.size()) +
                       "\nproperty float x\nproperty float y\nproperty float z\n"
                       "property float range\nproperty float intensity\n"
-                      "property ushort ring\nproperty ushort column\n"
-                      "property int time_offset_ns\nproperty uchar return_kind\nend_header\n";
+                      "property ushort ring\nproperty ushort column\n";
+  if (sweep.has_times) bytes += "property int time_offset_ns\n";
+  bytes += "property uchar return_kind\nend_header\n";
   add_records(bytes, sweep);
   return bytes;
 }
@@ -72,7 +71,8 @@ void add_field(std::string& text, Value value, char end) {
 }
 
 std::string to_csv(const Sweep& sweep) {
-  std::string text = "x,y,z,range,reflectivity,ring,column,time_offset_ns,return_kind\n";
+  std::string text = "x,y,z,range,reflectivity,ring,column,";
+  text += sweep.has_times ? "time_offset_ns,return_kind\n" : "return_kind\n";
   for (size_t i = 0; i < sweep.size(); ++i) {
     add_field(text, sweep.x[i], ',');
     add_field(text, sweep.y[i], ',');
@@ -81,7 +81,7 @@ std::string to_csv(const Sweep& sweep) {
     add_field(text, sweep.reflectivity[i], ',');
     add_field(text, sweep.ring[i], ',');
     add_field(text, sweep.column[i], ',');
-    add_field(text, sweep.time_offset_ns[i], ',');
+    if (sweep.has_times) add_field(text, sweep.time_offset_ns[i], ',');
     add_field(text, static_cast<int>(sweep.return_kind[i]), '\n');
   }
   return text;

@@ -20,7 +20,7 @@ enum class SweepFormat {
 std::optional<SweepFormat> detect_sweep_format(const std::filesystem::path& path);
 
 /// Writes a sweep with the fields x, y, z, range (m), reflectivity (0 … 1; named "intensity" in PCD
-/// and PLY, as viewers expect), ring, column, time_offset_ns, return_kind (the
+/// and PLY, as viewers expect), ring, column, time_offset_ns (if `has_times`), return_kind (the
 /// numbers of `ReturnKind`). PCD and PLY files contain the sweep's stamp in a comment.
 Result<void> export_sweep(const Sweep& sweep, const std::filesystem::path& path,
                           SweepFormat format);

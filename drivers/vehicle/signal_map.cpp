@@ -1,6 +1,7 @@
 #include "drivers/vehicle/signal_map.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "drivers/measurement/angles.hpp"
@@ -209,6 +210,17 @@ VehicleSamples VehicleDecoder::make_samples(const Values& values, Stamp stamp) c
     samples.imu = imu;
   }
   return samples;
+}
+
+bool VehicleDecoder::has_gyros() const {
+  std::array<bool, 3> axes{};
+  for (const BoundMessage& bound : messages_) {
+    for (const Binding& binding : bound.bindings) {
+      if (binding.quantity >= kAngularVelocity && binding.quantity < kAngularVelocity + 3)
+        axes[static_cast<size_t>(binding.quantity - kAngularVelocity)] = true;
+    }
+  }
+  return axes[0] && axes[1] && axes[2];
 }
 
 std::vector<CanIdentifier> VehicleDecoder::identifiers() const {

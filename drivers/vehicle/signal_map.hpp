@@ -51,6 +51,9 @@ class VehicleDecoder {
   /// The samples of one frame.
   VehicleSamples decode(const CanFrame& frame);
 
+  /// True if the bus carries the angular velocity about all three axes.
+  bool has_gyros() const;
+
   /// Identifiers of the decoded messages.
   std::vector<CanIdentifier> identifiers() const;
 

@@ -129,6 +129,14 @@ TEST(BagCloud, WithoutTimesTheSweepHasNone) {
   EXPECT_EQ(sweep.stamp.ns(), kStart);
 }
 
+TEST(BagCloud, EqualTimesAreNone) {
+  CloudMaker maker(fields_with({"t", 24, PointField::kUint32, 1}), 32);
+  const auto& cloud = maker.make([&](size_t i, size_t) { maker.set(i, "t", 0u); });
+  Sweep sweep;
+  ASSERT_TRUE(to_sweep(cloud, Stamp::from_ns(kStart), sweep));
+  EXPECT_FALSE(sweep.has_times);
+}
+
 TEST(BagCloud, LayoutsThatContradictTheDataAreErrors) {
   CloudMaker maker(fields_with({"t", 24, PointField::kUint32, 1}), 32);
   const ros::PointCloud2 sound = maker.make([&](size_t i, size_t) { maker.set(i, "t", 0u); });

@@ -171,6 +171,22 @@ TEST(BagImport, TwistsOfTheVehicleBesideFixesAreNoCourse) {
   }
 }
 
+// What infuse made of a lidar alone would come back as wheels and a yaw rate.
+TEST(BagImport, OdometryThatInfuseEstimatedIsNoSource) {
+  const ScratchFolder folder;
+  BagFile bag(folder / "a.mcap");
+  bag.write_metadata("infuse", {{"estimate /odometry/odom", "of infuse"}});
+  ros::Odometry pose;
+  pose.header = make_header(kSecond, "odom");
+  pose.twist.linear.x = 5;
+  for (const char* topic : {"/odometry/odom", "/wheels/odom"}) bag.write(topic, kSecond, pose);
+  bag.close();
+  const auto imported = import(folder);
+  ASSERT_TRUE(imported) << imported.error().message();
+  EXPECT_EQ(imported->use_of("/wheels/odom"), "speed");
+  EXPECT_EQ(imported->use_of("/odometry/odom"), "");
+}
+
 TEST(BagImport, CameraIsRelatedToItsLidarByFrames) {
   const ScratchFolder folder;
   BagFile bag(folder / "a.mcap");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,9 @@ class BagFile {
     ros::encode(message, ros::Encoding::kCdr, bytes);
     const Stamp stamp = Stamp::from_ns(log_ns);
     static_cast<void>(writer_.write(channels_[topic], stamp, stamp, bytes));
+  }
+  void write_metadata(const std::string& name, const std::map<std::string, std::string>& pairs) {
+    static_cast<void>(writer_.write_metadata(name, pairs));
   }
   void close() { static_cast<void>(writer_.close()); }
 

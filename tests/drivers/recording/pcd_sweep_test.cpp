@@ -132,6 +132,11 @@ TEST(PcdTimes, ExportedSweepIsReadBackAsItWas) {
   EXPECT_TRUE(read.ring == sweep.ring && read.column == sweep.column);
   EXPECT_TRUE(read.time_offset_ns == sweep.time_offset_ns);
   EXPECT_TRUE(read.return_kind == sweep.return_kind);
+  sweep.has_times = false;  // then no file states any
+  ASSERT_TRUE(export_sweep(sweep, folder / "a.pcd", SweepFormat::kPcd));
+  ASSERT_TRUE(read_sweep_file(folder / "a.pcd", read));
+  EXPECT_FALSE(read.has_times);
+  EXPECT_TRUE(read.ring == sweep.ring && read.x == sweep.x);
 }
 
 TEST(PcdTimes, TimesOutsideATurnAreAnError) {
