@@ -67,6 +67,12 @@ void read_health(TomlTable& table, HealthOptions& options) {
   table.read("expected_sensors", kMaxExpectedSensors, options.expected_sensors);
 }
 
+void read_radians(TomlTable& table, std::string_view key, double& value) {
+  std::optional<double> degrees;
+  table.read(key, degrees);
+  if (degrees) value = *degrees * kDegree;
+}
+
 void read_odometry(TomlTable& table, OdometrySettings& settings) {
   table.read("planar", settings.planar);
   table.read("wheelbase", settings.filter.wheelbase);
@@ -78,13 +84,8 @@ void read_odometry(TomlTable& table, OdometrySettings& settings) {
   read_milliseconds(table, "gnss_delay_ms", settings.filter.gnss_delay);
   table.read("use_gnss_speed", settings.use_gnss_speed);
   table.read("use_lidar", settings.use_lidar);
+  read_radians(table, "max_heading_sigma_deg", settings.max_heading_sigma);
   read_milliseconds(table, "max_wait_ms", settings.max_wait);
-}
-
-void read_radians(TomlTable& table, std::string_view key, double& value) {
-  std::optional<double> degrees;
-  table.read(key, degrees);
-  if (degrees) value = *degrees * kDegree;
 }
 
 void read_streetmap(TomlTable& table, StreetMapSettings& settings) {

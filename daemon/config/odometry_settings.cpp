@@ -7,6 +7,7 @@ std::optional<std::string> OdometrySettings::invalid() const {
   if (max_wait < Duration::zero() || max_wait > Duration{5'000'000'000}) {
     return "max_wait_ms must lie in 0 ... 5000";
   }
+  if (!(max_heading_sigma > 0)) return "max_heading_sigma_deg must be positive";
   return std::nullopt;
 }
 

@@ -37,8 +37,14 @@ struct OdometryStatus {
   double yaw_rate_bias_sigma = 0;
   double gyro_bias = 0;  ///< rad/s, of the inertial unit about z
   double gyro_bias_sigma = 0;
-  uint64_t late = 0;             ///< samples that arrived after their time had been processed
-  uint64_t outliers = 0;         ///< samples rejected as inconsistent with the motion
+  /// s from measurement to stamp, beyond what the configuration states; sigma 0: no such source.
+  double yaw_rate_delay = 0, yaw_rate_delay_sigma = 0;
+  double imu_delay = 0, imu_delay_sigma = 0;
+  double gnss_delay = 0, gnss_delay_sigma = 0;
+  double steering_ratio = 0;  ///< steering wheel angle over road wheel angle
+  const char* wanted = "";    ///< static text: what would bound the largest uncertainty, or empty
+  uint64_t late = 0;          ///< samples that arrived after their time had been processed
+  uint64_t outliers = 0;      ///< samples rejected as inconsistent with the motion
   uint64_t invalid_samples = 0;  ///< samples without a finite quantity, or with an implausible time
   uint64_t not_deskewed = 0;     ///< sweeps passed on as measured
 

@@ -9,6 +9,7 @@
 #include "daemon/command_line/progress_line.hpp"
 #include "daemon/drawing/sweep_image.hpp"
 #include "daemon/owner/commands.hpp"
+#include "daemon/pipeline/odometry_plan.hpp"
 #include "daemon/playback/deskewed_sweeps.hpp"
 #include "daemon/playback/find_lidar.hpp"
 #include "daemon/playback/play_lidar.hpp"
@@ -114,7 +115,7 @@ class Writer {
 
 /// Reads the drive until the writer is done; returns the lidar's counters.
 LidarCounters decode(SensorSetup& setup, size_t lidar, bool deskew, Writer& writer) {
-  DeskewedSweeps sweeps(setup.rig.lidars[lidar].T_vehicle_lidar, {});
+  DeskewedSweeps sweeps(plan_odometry({}, setup, lidar), setup.rig.lidars[lidar].T_vehicle_lidar);
   const auto on_sweep = [&](Sweep& sweep) {
     deskew ? sweeps.add_sweep(sweep) : writer.write(sweep);
   };

@@ -5,6 +5,7 @@
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/owner/commands.hpp"
 #include "daemon/owner/evaluation.hpp"
+#include "daemon/owner/sharpness.hpp"
 #include "daemon/protocol/json.hpp"
 
 namespace infuse::daemon {
@@ -17,6 +18,8 @@ struct EvaluateArguments {
   std::string truth;
   motion::Alignment alignment = motion::Alignment::kRigid;
   double span_s = 1;
+  std::string sharpness;  // a drive
+  std::string lidar;
   bool json = false;
 };
 
@@ -35,6 +38,13 @@ int print(const EvaluateArguments& arguments, const Result<Score>& score) {
 }
 
 int run(const EvaluateArguments& arguments) {
+  if (!arguments.sharpness.empty()) {
+    return print(arguments, measure_sharpness(arguments.sharpness, arguments.lidar));
+  }
+  if (arguments.result.empty() || arguments.truth.empty()) {
+    return print_error(kEvaluateProgram, {"RESULT and TRUTH are required, or --sharpness", "", ""},
+                       kUsage);
+  }
   if (!(arguments.span_s > 0 && arguments.span_s <= 1e6)) {
     return print_error(kEvaluateProgram, {"--span must be a number of seconds above 0", "", ""},
                        kUsage);
@@ -56,13 +66,13 @@ Command declare_evaluate(CLI::App& infuse) {
       {"first", motion::Alignment::kFirstPose},
       {"rigid", motion::Alignment::kRigid},
       {"similar", motion::Alignment::kSimilarity}};
-  CLI::App* app = infuse.add_subcommand("evaluate", "score a trajectory or a calibration");
+  CLI::App* app = infuse.add_subcommand(
+      "evaluate", "score a trajectory or a calibration, or the sharpness of a drive");
   const auto arguments = std::make_shared<EvaluateArguments>();
   app->add_option("RESULT", arguments->result,
                   "a trajectory (TUM or KITTI), or a calibration: a rig.toml, a drive, or the JSON "
-                  "of infuse calibrate")
-      ->required();
-  app->add_option("TRUTH", arguments->truth, "the same, or a drive with truth")->required();
+                  "of infuse calibrate");
+  app->add_option("TRUTH", arguments->truth, "the same, or a drive with truth");
   app->add_option(
          "--align", arguments->alignment,
          "alignment of a trajectory before scoring: none, first (first pose on first pose), "
@@ -71,9 +81,18 @@ Command declare_evaluate(CLI::App& infuse) {
       ->type_name("HOW");
   app->add_option("--span", arguments->span_s, "time span of the relative error (1)")
       ->type_name("SECONDS");
+  CLI::Option* sharpness =
+      app->add_option("--sharpness", arguments->sharpness,
+                      "instead: how sharp the sweeps of a drive are on top of each other, as "
+                      "measured and deskewed, in occupied voxels of 10 cm per point")
+          ->type_name("DRIVE");
+  app->add_option("--lidar", arguments->lidar, "its lidar, if there are several")
+      ->type_name("NAME")
+      ->needs(sharpness);
   app->add_flag("--json", arguments->json, "print the result as one JSON object");
-  set_examples(*app, {"infuse evaluate track.tum drive/ --align first",
-                      "infuse evaluate rig.toml drive/ --json"});
+  set_examples(*app,
+               {"infuse evaluate track.tum drive/ --align first",
+                "infuse evaluate rig.toml drive/ --json", "infuse evaluate --sharpness drive/"});
   return {app, [arguments] { return run(*arguments); }};
 }
 

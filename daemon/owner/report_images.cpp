@@ -5,6 +5,7 @@
 
 #include "daemon/drawing/calibration_images.hpp"
 #include "daemon/drawing/sweep_image.hpp"
+#include "daemon/pipeline/odometry_plan.hpp"
 #include "daemon/playback/calibration_scenes.hpp"
 #include "daemon/playback/deskewed_sweeps.hpp"
 #include "daemon/playback/play_lidar.hpp"
@@ -82,7 +83,7 @@ Json overlay_images(const std::filesystem::path& drive, const ReportData& report
 std::string sweep_image_url(const std::filesystem::path& path) {
   auto setup = open_drive(path, {}, {});
   if (!setup || setup->lidars.empty()) return {};
-  DeskewedSweeps sweeps(setup->rig.lidars.front().T_vehicle_lidar, {});
+  DeskewedSweeps sweeps(plan_odometry({}, *setup), setup->rig.lidars.front().T_vehicle_lidar);
   std::string url;
   uint64_t count = 0;
   const auto draw = [&](const Sweep& sweep, const motion::DeskewedSweep& deskewed) {

@@ -64,6 +64,10 @@ std::string state_text(const Json& pose) {
   return ", " + state + (doubt.empty() || !pose.value("usable", false) ? "" : ": " + doubt);
 }
 
+std::string speed_text(const Json& message) {
+  return fmt::format("{:.1f} m/s", message.value("speed", 0.0));
+}
+
 }  // namespace
 
 std::string text_of(const Json& object, const char* key) {
@@ -89,10 +93,9 @@ std::string health_text(const Json& health) {
   }
   if (health.contains("odometry")) {
     const Json& odometry = health["odometry"];
-    lines += fmt::format("  {:<5} odometry: {:.1f} m/s, {}\n", text_of(odometry, "level"),
-                         odometry.value("speed", 0.0),
+    lines += fmt::format("  {:<5} odometry: {}\n", text_of(odometry, "level"),
                          odometry.value("usable", false)
-                             ? "trusted"
+                             ? speed_text(odometry) + ", trusted"
                              : "not trusted: " + text_of(odometry, "reason"));
     lines += findings_text(odometry);
   }
@@ -220,12 +223,12 @@ std::string report_text(const Json& message) {
   }
   if (name == "POSE") {
     const auto T = message.value("T_frame_vehicle", std::vector<double>(16));
-    return fmt::format("{} POSE in {}: ({:.2f}, {:.2f}) m, heading {:.1f}°, {:.1f} m/s{}\n",
-                       time_text(message), text_of(message, "frame"), T[3], T[7],
-                       std::atan2(T[4], T[0]) / kDegree, message.value("speed", 0.0),
-                       state_text(message) + (message.value("usable", false)
-                                                  ? std::string()
-                                                  : ", not usable: " + text_of(message, "reason")));
+    const std::string state = state_text(message);
+    return fmt::format("{} POSE in {}: ({:.2f}, {:.2f}) m, heading {:.1f}°{}\n", time_text(message),
+                       text_of(message, "frame"), T[3], T[7], std::atan2(T[4], T[0]) / kDegree,
+                       message.value("usable", false)
+                           ? ", " + speed_text(message) + state
+                           : state + ", not usable: " + text_of(message, "reason"));
   }
   if (name == "CALIBRATION") {
     return fmt::format("{} CALIBRATION {} {} ({} evaluations, {} scenes)\n", time_text(message),

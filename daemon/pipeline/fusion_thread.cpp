@@ -46,7 +46,7 @@ FusionThread::FusionThread(const FusionSetup& setup, SlotRing<StreamItem>& in,
       in_(in.make_reader()),
       out_(out),
       notifier_(notifier),
-      odometry_(setup.odometry, setup.use_lidar, first_mounting(setup.rig)),
+      odometry_(setup.odometry, first_mounting(setup.rig)),
       sweeps_(max_waiting_sweeps(setup.rig.lidars.size()),
               setup.has_motion_sensor ? setup.odometry.max_wait : Duration::zero()),
       previous_sweeps_(setup.rig.lidars.size()),
@@ -63,7 +63,7 @@ FusionThread::FusionThread(const FusionSetup& setup, SlotRing<StreamItem>& in,
                            setup.rig.lidars[places_lidar_].T_vehicle_lidar,
                            setup.delivery == Delivery::kWait);
   }
-  if (setup.use_lidar) lidar_motion_.emplace(setup.rig.lidars[0].T_vehicle_lidar);
+  if (odometry_.uses_lidar()) lidar_motion_.emplace(setup.rig.lidars[0].T_vehicle_lidar);
   for (const LidarMount& lidar : setup.rig.lidars) {
     deskewers_.emplace_back(lidar.T_vehicle_lidar);
   }
@@ -230,7 +230,9 @@ void FusionThread::report_sweep(const SweepSnapshot& snapshot) {
 void FusionThread::localise(const SweepSnapshot& snapshot) {
   if (!setup_.has_odometry) return;
   const PoseReport odometry = odometry_.pose_at(snapshot.deskewed.reference);
-  report(odometry);
+  PoseReport published = odometry;
+  odometry_.bound(published);
+  report(published);
   if (map_localiser_ && snapshot.lidar == places_lidar_) {
     report(map_localiser_->process(snapshot, odometry_.trajectory(), odometry));
   }
@@ -300,7 +302,9 @@ void FusionThread::report_latest_pose() {
   const Stamp newest = trajectory[trajectory.size() - 1].stamp;
   if (newest - last_pose_ < kPoseInterval && newest >= last_pose_) return;
   last_pose_ = newest;
-  report(odometry_.pose_at(newest));
+  PoseReport published = odometry_.pose_at(newest);
+  odometry_.bound(published);
+  report(published);
 }
 
 void FusionThread::report_tick(const StreamItem& item) {

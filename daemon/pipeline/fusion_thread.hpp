@@ -32,7 +32,6 @@ struct FusionSetup {
   bool has_odometry = false;  ///< there is a source of odometry
   /// There is a bus, a speed sensor or an inertial unit: sweeps wait for its samples.
   bool has_motion_sensor = false;
-  bool use_lidar = false;  ///< the first lidar measures the motion
   OdometrySettings odometry;
   CalibrationSettings calibration;
   Delivery delivery = Delivery::kWait;

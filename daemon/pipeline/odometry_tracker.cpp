@@ -1,23 +1,50 @@
 #include "daemon/pipeline/odometry_tracker.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace infuse::daemon {
 namespace {
 
-motion::OdometryOptions filter_options(const OdometrySettings& settings, bool use_lidar) {
+motion::OdometryOptions filter_options(const OdometrySettings& settings) {
   constexpr double kUnknownHeading = 10;  // rad
   motion::OdometryOptions options = settings.filter;
-  options.planar = settings.planar.value_or(!use_lidar);
+  options.planar = settings.planar.value_or(!settings.use_lidar.value_or(false));
   options.east_heading_sigma = kUnknownHeading;
   return options;
 }
 
+/// The source that would bound what grows fastest: over a minute the heading by the bias of what
+/// measures the rotation, the way by the scale of the wheels. Nothing where both stay within 1 %.
+const char* wanted_source(const motion::OdometryReport& report) {
+  constexpr double kMinute = 60, kSmall = 0.01;  // s, part of the way
+  const auto carries = [&](motion::OdometrySource source) {
+    return report.carries[static_cast<size_t>(source)];
+  };
+  if (carries(motion::OdometrySource::kLidar) || carries(motion::OdometrySource::kGnssCourse))
+    return "";
+  const bool gyro = carries(motion::OdometrySource::kGyro);
+  const double bias = gyro ? report.gyro_bias[2].sigma : report.yaw_rate_bias.sigma;
+  const double across = 0.5 * kMinute * bias;  // the heading errs by half of it on average
+  const double along =
+      carries(motion::OdometrySource::kWheels) || carries(motion::OdometrySource::kSpeed)
+          ? report.wheel_scale.sigma
+          : 0;
+  if (std::max(across, along) < kSmall) return "";
+  return across > along
+             ? "the lidar (use_lidar), a steering angle, or the course of a GNSS receiver"
+             : "the lidar (use_lidar), or the speed of a GNSS receiver";
+}
+
 }  // namespace
 
-OdometryTracker::OdometryTracker(const OdometrySettings& settings, bool use_lidar,
+OdometryTracker::OdometryTracker(const OdometrySettings& settings,
                                  const Eigen::Isometry3d& T_vehicle_lidar)
-    : filter_(filter_options(settings, use_lidar)),
+    : filter_(filter_options(settings)),
+      uses_lidar_(settings.use_lidar.value_or(false)),
       gyro_axes_(T_vehicle_lidar.linear()),
       use_gnss_speed_(settings.use_gnss_speed),
+      max_heading_sigma_(settings.max_heading_sigma),
       max_silence_(settings.filter.max_silence),
       max_gnss_silence_(settings.filter.max_gnss_silence) {}
 
@@ -55,6 +82,11 @@ PoseReport OdometryTracker::pose_at(Stamp stamp) const {
   return report;
 }
 
+void OdometryTracker::bound(PoseReport& pose) const {
+  if (pose.usable() && pose.covariance(2, 2) > max_heading_sigma_ * max_heading_sigma_)
+    pose.reason = "its heading is less sure than max_heading_sigma_deg";
+}
+
 // The filter's time is that of its samples: it cannot detect their absence.
 const char* OdometryTracker::reason_at(Stamp now) const {
   if (!filter_.usable() || trajectory().empty()) return filter_.reason();
@@ -84,6 +116,20 @@ OdometryStatus OdometryTracker::status(Stamp now) const {
   status.yaw_rate_bias_sigma = report.yaw_rate_bias.sigma;
   status.gyro_bias = report.gyro_bias[2].value;
   status.gyro_bias_sigma = report.gyro_bias[2].sigma;
+  const auto set_delay = [&](motion::OdometrySource source, const motion::EstimatedParameter& from,
+                             double& delay, double& sigma) {
+    if (report.sources[static_cast<size_t>(source)].accepted == 0) return;
+    delay = from.value;
+    sigma = from.sigma;
+  };
+  set_delay(motion::OdometrySource::kYawRate, report.yaw_rate_delay, status.yaw_rate_delay,
+            status.yaw_rate_delay_sigma);
+  set_delay(motion::OdometrySource::kGyro, report.imu_delay, status.imu_delay,
+            status.imu_delay_sigma);
+  set_delay(motion::OdometrySource::kGnssSpeed, report.gnss_delay, status.gnss_delay,
+            status.gnss_delay_sigma);
+  status.steering_ratio = 1 / report.steering_gain.value;
+  status.wanted = wanted_source(report);
   status.late = report.late;
   status.outliers = report.outliers;
   status.invalid_samples = report.invalid_samples;

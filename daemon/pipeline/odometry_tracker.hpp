@@ -13,9 +13,14 @@ namespace infuse::daemon {
 /// ahead, no jumps. The heading of that frame is unknown: a GNSS course measures its changes only.
 class OdometryTracker {
  public:
-  /// `use_lidar`: the motion that a lidar measures is added; `T_vehicle_lidar` is its mounting.
-  OdometryTracker(const OdometrySettings& settings, bool use_lidar,
-                  const Eigen::Isometry3d& T_vehicle_lidar = Eigen::Isometry3d::Identity());
+  /// The settings are those of `plan_odometry`; `T_vehicle_lidar` is the mounting of the lidar
+  /// whose motion is added.
+  explicit OdometryTracker(
+      const OdometrySettings& settings,
+      const Eigen::Isometry3d& T_vehicle_lidar = Eigen::Isometry3d::Identity());
+
+  /// True if the motion that a lidar measures is added.
+  bool uses_lidar() const { return uses_lidar_; }
 
   /// Adds a sample; samples of different sensors may be out of order by the reordering time.
   void add(const VehicleSample& sample);
@@ -37,7 +42,7 @@ class OdometryTracker {
   void finish() { filter_.flush(); }
 
   /// True while wheels measure the speed.
-  bool has_wheels() const { return filter_.carries(motion::OdometrySource::kWheels); }
+  bool has_wheels() const { return filter_.has_wheels(); }
   /// True while they measure the motion in all directions of the model, and are not suspended.
   bool wheels_measure_motion() const { return filter_.wheels_measure_motion(); }
 
@@ -46,6 +51,10 @@ class OdometryTracker {
 
   /// Returns the pose at `stamp` in the frame `odom`.
   PoseReport pose_at(Stamp stamp) const;
+
+  /// Makes a pose of `pose_at` unusable if it is less sure than the settings allow. Its motion
+  /// since earlier poses may be used all the same.
+  void bound(PoseReport& pose) const;
 
   /// What is known of the gyros in the lidar's housing.
   const motion::GyroAxes& gyro_axes() const { return gyro_axes_; }
@@ -58,9 +67,11 @@ class OdometryTracker {
   const char* reason_at(Stamp now) const;
 
   motion::OdometryFilter filter_;
+  bool uses_lidar_;
   motion::GyroAxes gyro_axes_;  // of the lidar
   bool has_inertial_unit_ = false;
   bool use_gnss_speed_;
+  double max_heading_sigma_;
   Duration max_silence_, max_gnss_silence_;
 };
 

@@ -1,5 +1,6 @@
 #include "daemon/pipeline/pipeline.hpp"
 
+#include "daemon/pipeline/odometry_plan.hpp"
 #include "daemon/pipeline/threads.hpp"
 
 namespace infuse::daemon {
@@ -27,19 +28,10 @@ ReportItem report_item(const SensorSetup& setup) {
 }
 
 FusionSetup fusion_setup(const SensorSetup& setup, const PipelineOptions& options) {
-  // A map is compared with what the lidar saw over some metres, which wheels alone would blur.
-  const bool use_lidar = options.odometry.use_lidar.value_or(!setup.vehicle.has_motion_sensor() ||
-                                                             options.places.has_value()) &&
-                         !setup.rig.lidars.empty();
-  OdometrySettings odometry = options.odometry;
-  // Sensors that measure in the vehicle's axes know what is forward; a lidar alone only by its
-  // mounting.
-  odometry.filter.moves_forward = setup.vehicle.has_motion_sensor() || setup.rig.lidars.empty() ||
-                                  setup.rig.lidars[0].is_mounting_known();
+  const OdometrySettings odometry = plan_odometry(options.odometry, setup);
   return {.rig = setup.rig,
-          .has_odometry = setup.vehicle.has_odometry() || use_lidar,
+          .has_odometry = setup.vehicle.has_odometry() || *odometry.use_lidar,
           .has_motion_sensor = setup.vehicle.has_motion_sensor(),
-          .use_lidar = use_lidar,
           .odometry = odometry,
           .calibration = options.calibration,
           .delivery = delivery_of(setup.live),

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 
+#include "daemon/pipeline/odometry_plan.hpp"
 #include "daemon/playback/play_lidar.hpp"
 #include "daemon/playback/read_image.hpp"
 #include "daemon/playback/sweep_pairing.hpp"
@@ -83,8 +84,9 @@ Result<void> pair_sweeps(OpenDrive& drive, const std::vector<recording::Sequence
                          Duration max_gap, const std::function<void(double)>& progress,
                          const SweepConsumer& consume) {
   const Rig& rig = drive.drive.description.rig;
-  SweepPairing pairing(rig.lidars[drive.lidar].T_vehicle_lidar, drive.setup.vehicle.has_odometry(),
-                       max_gap);
+  const OdometrySettings odometry = plan_odometry({}, drive.setup, drive.lidar);
+  SweepPairing pairing(odometry, rig.lidars[drive.lidar].T_vehicle_lidar,
+                       *odometry.use_lidar || drive.setup.vehicle.has_odometry(), max_gap);
   for (const recording::SequenceEntry& image : images) pairing.add_exposure(image.stamp);
   const auto on_sweep = [&](Sweep& sweep) { pairing.add_sweep(sweep); };
   const auto on_sample = [&](const VehicleSample& sample) { pairing.add_sample(sample); };

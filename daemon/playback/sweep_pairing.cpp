@@ -11,11 +11,13 @@ constexpr Duration kTwistWindow{40'000'000};  // over which the twist is average
 
 }  // namespace
 
-SweepPairing::SweepPairing(const Eigen::Isometry3d& T_vehicle_lidar, bool has_odometry,
+SweepPairing::SweepPairing(const OdometrySettings& settings,
+                           const Eigen::Isometry3d& T_vehicle_lidar, bool has_odometry,
                            Duration max_gap)
     : has_odometry_(has_odometry),
       max_gap_(max_gap),
       T_vehicle_lidar_(T_vehicle_lidar),
+      odometry_(settings, T_vehicle_lidar),
       deskewer_(T_vehicle_lidar) {}
 
 void SweepPairing::add_exposure(Stamp exposure) {
@@ -24,6 +26,7 @@ void SweepPairing::add_exposure(Stamp exposure) {
 }
 
 void SweepPairing::add_sweep(const Sweep& sweep) {
+  odometry_.add_sweep(sweep);
   for (size_t k = next_; k < exposures_.size(); ++k) {
     const Duration gap = pairing_gap(exposures_[k], sweep);
     PairedSweep& pair = pairs_[k];
@@ -34,14 +37,15 @@ void SweepPairing::add_sweep(const Sweep& sweep) {
   }
 }
 
-void SweepPairing::add_sample(const VehicleSample& sample) { odometry_.add(sample); }
+void SweepPairing::add_sample(const VehicleSample& sample) { odometry_.add_sample(sample); }
 
 void SweepPairing::advance(Stamp now) {
+  odometry_.process_due(now, [](const Sweep&, const motion::DeskewedSweep&) {});
   while (!done() && now - exposures_[next_] > kMaxWait) deskew(next_++);
 }
 
 std::vector<PairedSweep> SweepPairing::finish() {
-  odometry_.finish();
+  odometry_.finish([](const Sweep&, const motion::DeskewedSweep&) {});
   while (!done()) deskew(next_++);
   return std::move(pairs_);
 }

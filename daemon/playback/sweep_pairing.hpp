@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/pipeline/odometry_tracker.hpp"
 #include "daemon/pipeline/pairing.hpp"
+#include "daemon/playback/deskewed_sweeps.hpp"
 #include "drivers/measurement/sweep.hpp"
 #include "fusion/motion/deskew.hpp"
 
@@ -27,10 +27,11 @@ struct PairedSweep {
 /// exposure's time. Keeps one sweep per exposure.
 class SweepPairing {
  public:
-  /// Sweeps farther than `max_gap` from an exposure are not paired with it. Without odometry only
-  /// sweeps that their source has deskewed to the exposure count as deskewed.
-  SweepPairing(const Eigen::Isometry3d& T_vehicle_lidar, bool has_odometry,
-               Duration max_gap = kMaxPairingGap);
+  /// The settings are those of `plan_odometry`. Sweeps farther than `max_gap` from an exposure are
+  /// not paired with it. Without odometry only sweeps that their source has deskewed to the
+  /// exposure count as deskewed.
+  SweepPairing(const OdometrySettings& settings, const Eigen::Isometry3d& T_vehicle_lidar,
+               bool has_odometry, Duration max_gap = kMaxPairingGap);
 
   /// Adds an exposure; in order of time, before any sweep or sample.
   void add_exposure(Stamp exposure);
@@ -62,7 +63,7 @@ class SweepPairing {
   bool has_odometry_;
   Duration max_gap_;
   Eigen::Isometry3d T_vehicle_lidar_;
-  OdometryTracker odometry_{OdometrySettings{}, false};
+  DeskewedSweeps odometry_;
   motion::Deskewer deskewer_;
   motion::DeskewedSweep deskewed_;
   std::vector<Stamp> exposures_;

@@ -21,14 +21,15 @@ void describe(Visitor& v, const TaskHealth<OdometryStatus>& odometry) {
   v.field("level", odometry.level);
   v.field("usable", status.usable(), "True if odometry can be used.",
           gauge("infuse_odometry_usable"));
-  v.field("speed", rounded(status.speed), "Forward speed, m/s.",
+  v.field("speed", when(status.usable(), rounded(status.speed)),
+          "Forward speed, m/s; absent, as the next three, where odometry is not usable.",
           gauge("infuse_odometry_speed_meters_per_second"));
-  v.field("speed_sigma", non_negative(rounded(status.speed_sigma)), "Its standard deviation.",
-          gauge("infuse_odometry_speed_sigma_meters_per_second"));
-  v.field("yaw_rate", rounded(status.yaw_rate), "Yaw rate, rad/s.",
+  v.field("speed_sigma", when(status.usable(), non_negative(rounded(status.speed_sigma))),
+          "Its standard deviation.", gauge("infuse_odometry_speed_sigma_meters_per_second"));
+  v.field("yaw_rate", when(status.usable(), rounded(status.yaw_rate)), "Yaw rate, rad/s.",
           gauge("infuse_odometry_yaw_rate_radians_per_second"));
-  v.field("yaw_rate_sigma", non_negative(status.yaw_rate_sigma), "Its standard deviation.",
-          gauge("infuse_odometry_yaw_rate_sigma_radians_per_second"));
+  v.field("yaw_rate_sigma", when(status.usable(), non_negative(status.yaw_rate_sigma)),
+          "Its standard deviation.", gauge("infuse_odometry_yaw_rate_sigma_radians_per_second"));
   v.field("sources", status.sources, "which measurements there are, and which carry the odometry");
   v.field("standing", status.standing, "True if the vehicle stands still.",
           gauge("infuse_odometry_standing"));
@@ -47,6 +48,29 @@ void describe(Visitor& v, const TaskHealth<OdometryStatus>& odometry) {
           gauge("infuse_odometry_gyro_bias_radians_per_second"));
   v.field("gyro_bias_sigma", non_negative(status.gyro_bias_sigma), "Its standard deviation.",
           gauge("infuse_odometry_gyro_bias_sigma_radians_per_second"));
+  v.field("yaw_rate_delay", when(status.yaw_rate_delay_sigma > 0, rounded(status.yaw_rate_delay)),
+          "Estimated delay of the yaw rate, s; absent without it.",
+          gauge("infuse_odometry_yaw_rate_delay_seconds"));
+  v.field("yaw_rate_delay_sigma",
+          when(status.yaw_rate_delay_sigma > 0, non_negative(rounded(status.yaw_rate_delay_sigma))),
+          "Its standard deviation.", gauge("infuse_odometry_yaw_rate_delay_sigma_seconds"));
+  v.field("imu_delay", when(status.imu_delay_sigma > 0, rounded(status.imu_delay)),
+          "Estimated delay of the inertial unit, s; absent without it.",
+          gauge("infuse_odometry_imu_delay_seconds"));
+  v.field("imu_delay_sigma",
+          when(status.imu_delay_sigma > 0, non_negative(rounded(status.imu_delay_sigma))),
+          "Its standard deviation.", gauge("infuse_odometry_imu_delay_sigma_seconds"));
+  v.field("gnss_delay", when(status.gnss_delay_sigma > 0, rounded(status.gnss_delay)),
+          "Estimated delay of the GNSS receiver, s; absent without it.",
+          gauge("infuse_odometry_gnss_delay_seconds"));
+  v.field("gnss_delay_sigma",
+          when(status.gnss_delay_sigma > 0, non_negative(rounded(status.gnss_delay_sigma))),
+          "Its standard deviation.", gauge("infuse_odometry_gnss_delay_sigma_seconds"));
+  v.field("steering_ratio", rounded(status.steering_ratio),
+          "Estimated angle of the steering wheel over that of the road wheels.",
+          gauge("infuse_odometry_steering_ratio"));
+  v.field("wanted", unless_empty(status.wanted),
+          "the source that would bound the largest uncertainty");
   v.field("late", status.late, "Samples that arrived too late.",
           counter("infuse_odometry_late_total"));
   v.field("outliers", status.outliers, "Samples rejected as inconsistent with the motion.",

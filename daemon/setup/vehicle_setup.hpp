@@ -36,6 +36,13 @@ struct VehicleSetup {
            });
   }
 
+  /// True if three gyros measure the rotation.
+  bool has_gyros() const {
+    return imu || std::any_of(buses.begin(), buses.end(), [](const BusSetup& bus) {
+             return bus.decoder && bus.decoder->has_gyros();
+           });
+  }
+
   /// True if there is a source of odometry.
   bool has_odometry() const { return has_motion_sensor() || gnss; }
 };

@@ -89,6 +89,12 @@ Result<registration::RegistrationResult> align_by_images(const std::string& meth
   });
 }
 
+/// A pose that the geometry does not determine is that of the guess: no answer.
+void refuse_free_directions(registration::RegistrationResult& result) {
+  if (result.usable() && result.free_directions > 0)
+    result.reason = "the geometry does not determine the pose in all directions";
+}
+
 Result<registration::RegistrationResult> align(const Arguments& arguments, const AlignScan& target,
                                                const AlignScan& source, Eigen::Isometry3d guess) {
   const std::string method = arguments.chosen_method();
@@ -115,8 +121,8 @@ void print_json(const Arguments& arguments, const AlignScan& target, const Align
     out["inliers"] = result.inliers;
     out["points"] = result.points;
     out["rms_m"] = result.rms;
-    if (result.free_directions > 0) out["free_directions"] = result.free_directions_text();
   }
+  if (result.free_directions > 0) out["free_directions"] = result.free_directions_text();
   if (!target.deskew_reason.empty()) out["target_not_deskewed"] = target.deskew_reason;
   if (!source.deskew_reason.empty()) out["source_not_deskewed"] = source.deskew_reason;
   std::cout << out.dump() << "\n";
@@ -138,9 +144,6 @@ void print_text(const Arguments& arguments, const AlignScan& target, const Align
                    "degrees\n",
                    sigma(3), sigma(4), sigma(5), sigma(0) / kDegree, sigma(1) / kDegree,
                    sigma(2) / kDegree);
-  if (result.free_directions > 0) {
-    std::cout << "  not determined by the geometry: " << result.free_directions_text() << "\n";
-  }
   for (const auto& [which, scan] : {std::pair{"target", &target}, std::pair{"source", &source}}) {
     if (!scan->deskew_reason.empty()) {
       std::cout << fmt::format("  {} not deskewed: {}\n", which, scan->deskew_reason);
@@ -172,8 +175,9 @@ int run(const Arguments& arguments) {
   if (!target) return print_error(kAlignProgram, target.error(), kUnreadable);
   const auto source = read_align_scan(arguments.source, arguments.lidar, arguments.needs_images());
   if (!source) return print_error(kAlignProgram, source.error(), kUnreadable);
-  const auto aligned = align(arguments, *target, *source, guess);
+  auto aligned = align(arguments, *target, *source, guess);
   if (!aligned) return print_error(kAlignProgram, aligned.error(), kUnreadable);
+  refuse_free_directions(*aligned);
   const registration::RegistrationResult& result = *aligned;
   if (!arguments.output.empty() && result.usable()) {
     const auto written =
@@ -189,7 +193,9 @@ int run(const Arguments& arguments) {
   if (!result.usable()) {
     return arguments.json
                ? int{kFailure}
-               : print_error(kAlignProgram, {result.reason, arguments.source, ""}, kFailure);
+               : print_error(kAlignProgram,
+                             {result.reason, arguments.source, result.free_directions_text()},
+                             kFailure);
   }
   if (!arguments.json) print_text(arguments, *target, *source, result);
   return kDone;

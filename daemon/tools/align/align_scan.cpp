@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "daemon/pipeline/odometry_plan.hpp"
 #include "daemon/playback/deskewed_sweeps.hpp"
 #include "daemon/playback/find_lidar.hpp"
 #include "daemon/playback/play_lidar.hpp"
@@ -83,6 +84,7 @@ Result<AlignScan> read_from_drive(const std::string& path, uint64_t index, const
     if (!listed) return tl::unexpected(listed.error());
     images = std::move(*listed);
   }
+  constexpr uint64_t kRunIn = 10;  // sweeps before it, from which the lidar knows its motion
   std::optional<AlignScan> found;
   Stamp reference;
   const auto choose_reference = [&](const Sweep& sweep) {
@@ -93,8 +95,10 @@ Result<AlignScan> read_from_drive(const std::string& path, uint64_t index, const
     }
     return reference;
   };
-  DeskewedSweeps sweeps(setup->rig.lidars[*lidar].T_vehicle_lidar, {}, choose_reference);
+  DeskewedSweeps sweeps(plan_odometry({}, *setup, *lidar),
+                        setup->rig.lidars[*lidar].T_vehicle_lidar, choose_reference);
   const auto on_deskewed = [&](const Sweep& sweep, const motion::DeskewedSweep& deskewed) {
+    if (sweep.sequence != index) return;
     found.emplace();
     found->sweep = sweep;
     found->sweep.x = deskewed.x;
@@ -105,7 +109,7 @@ Result<AlignScan> read_from_drive(const std::string& path, uint64_t index, const
   play_lidar(
       *setup, *lidar,
       [&](Sweep& sweep) {
-        if (sweep.sequence == index) sweeps.add_sweep(sweep);
+        if (sweep.sequence <= index && sweep.sequence + kRunIn >= index) sweeps.add_sweep(sweep);
       },
       [&](const VehicleSample& sample) { sweeps.add_sample(sample); },
       [&](const recording::DriveEvent& event) {

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "daemon/pipeline/lidar_intake.hpp"
+#include "daemon/pipeline/odometry_plan.hpp"
 #include "daemon/pipeline/vehicle_intake.hpp"
 #include "daemon/playback/deskewed_sweeps.hpp"
 #include "daemon/playback/read_image.hpp"
@@ -30,8 +31,8 @@ class DriveExport {
       const bool decodes = deskew || writes_raw_[k];
       intakes_.push_back(decodes ? std::make_unique<LidarIntake>(setup.lidars[k]) : nullptr);
       if (!deskew) continue;
-      deskewed_.push_back(std::make_unique<DeskewedSweeps>(setup.rig.lidars[k].T_vehicle_lidar,
-                                                           OdometrySettings{}));
+      deskewed_.push_back(std::make_unique<DeskewedSweeps>(plan_odometry({}, setup, k),
+                                                           setup.rig.lidars[k].T_vehicle_lidar));
     }
   }
 

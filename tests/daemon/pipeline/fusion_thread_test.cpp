@@ -155,7 +155,8 @@ TEST_F(FusionThreadTest, AFlushProcessesTheSweepsThatWait) {
 }
 
 TEST_F(FusionThreadTest, ALateSweepIsNotRegisteredAndAVeryLateOneIsDroppedIfLive) {
-  setup_.has_odometry = setup_.use_lidar = true;
+  setup_.has_odometry = true;
+  setup_.odometry.use_lidar = true;
   for (const Delivery delivery : {Delivery::kWait, Delivery::kOverwrite}) {
     thread_.reset();
     setup_.delivery = delivery;
@@ -177,7 +178,8 @@ TEST_F(FusionThreadTest, ALateSweepIsNotRegisteredAndAVeryLateOneIsDroppedIfLive
 }
 
 TEST_F(FusionThreadTest, ASweepThatHasWaitedForOdometryIsRegistered) {
-  setup_.has_odometry = setup_.has_motion_sensor = setup_.use_lidar = true;
+  setup_.has_odometry = setup_.has_motion_sensor = true;
+  setup_.odometry.use_lidar = true;
   setup_.odometry.max_wait = from_seconds(0.2);
   setup_.delivery = Delivery::kOverwrite;
   push_sweep(at(0), HostClock::now() - from_seconds(0.5));

@@ -87,7 +87,7 @@ double heading_error(OdometryTracker& odometry, double silent, bool gyros, bool 
 }
 
 TEST(LidarGyros, CarryTheRotationWhileTheLidarIsSilent) {
-  OdometryTracker with(OdometrySettings(), true), without(OdometrySettings(), true);
+  OdometryTracker with({.use_lidar = true}), without({.use_lidar = true});
   const double error = heading_error(with, 0.45, true, false);
   EXPECT_GT(accepted_gyros(with, 30.4), 1000U);
   EXPECT_LT(error, 0.006);
@@ -98,7 +98,7 @@ TEST(LidarGyros, CarryTheRotationWhileTheLidarIsSilent) {
 }
 
 TEST(LidarGyros, AnInertialUnitTakesTheirPlace) {
-  OdometryTracker both(OdometrySettings(), true), unit(OdometrySettings(), true);
+  OdometryTracker both({.use_lidar = true}), unit({.use_lidar = true});
   const double error = heading_error(both, 0.2, true, true);
   EXPECT_EQ(error, heading_error(unit, 0.2, false, true));
   EXPECT_EQ(accepted_gyros(both, 30.1), accepted_gyros(unit, 30.1));

@@ -21,7 +21,7 @@ Sweep sweep_at(int64_t ms, uint64_t sequence) {
 }
 
 TEST(SweepPairing, FindsTheSweepNearestToEachExposure) {
-  SweepPairing pairing(Eigen::Isometry3d::Identity(), false);
+  SweepPairing pairing({}, Eigen::Isometry3d::Identity(), false);
   for (const int64_t ms : {90, 200, 540, 5000}) pairing.add_exposure(at_ms(ms));
   for (int64_t i = 0; i < 5; ++i) {
     pairing.add_sweep(sweep_at(100 * i, static_cast<uint64_t>(i)));
@@ -42,7 +42,7 @@ TEST(SweepPairing, FindsTheSweepNearestToEachExposure) {
 
 TEST(SweepPairing, LeavesOutSweepsFartherThanTheMaximumGap) {
   for (const bool wide : {false, true}) {
-    SweepPairing pairing(Eigen::Isometry3d::Identity(), false, from_seconds(wide ? 0.2 : 0.1));
+    SweepPairing pairing({}, Eigen::Isometry3d::Identity(), false, from_seconds(wide ? 0.2 : 0.1));
     pairing.add_exposure(at_ms(250));
     pairing.add_sweep(sweep_at(0, 0));  // ends at 100 ms
     const auto pairs = pairing.finish();
@@ -51,7 +51,7 @@ TEST(SweepPairing, LeavesOutSweepsFartherThanTheMaximumGap) {
 }
 
 TEST(SweepPairing, SettledSweepsCanBeTaken) {
-  SweepPairing pairing(Eigen::Isometry3d::Identity(), false);
+  SweepPairing pairing({}, Eigen::Isometry3d::Identity(), false);
   for (const int64_t ms : {50, 4950}) pairing.add_exposure(at_ms(ms));
   pairing.add_sweep(sweep_at(0, 3));
   pairing.advance(at_ms(100));
@@ -68,7 +68,7 @@ TEST(SweepPairing, SettledSweepsCanBeTaken) {
 }
 
 TEST(SweepPairing, ASweepDeskewedToTheExposureIsUsedAsItIs) {
-  SweepPairing pairing(Eigen::Isometry3d::Identity(), false);
+  SweepPairing pairing({}, Eigen::Isometry3d::Identity(), false);
   for (const int64_t ms : {50, 60}) pairing.add_exposure(at_ms(ms));
   Sweep sweep = sweep_at(0, 0);
   sweep.deskewed = true;
@@ -80,7 +80,7 @@ TEST(SweepPairing, ASweepDeskewedToTheExposureIsUsedAsItIs) {
 }
 
 TEST(SweepPairing, WithoutOdometryNothingIsDeskewed) {
-  SweepPairing pairing(Eigen::Isometry3d::Identity(), false);
+  SweepPairing pairing({}, Eigen::Isometry3d::Identity(), false);
   pairing.add_exposure(at_ms(50));
   pairing.add_sweep(sweep_at(0, 0));
   pairing.advance(at_ms(2000));

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "daemon/pipeline/odometry_plan.hpp"
 #include "daemon/playback/play_lidar.hpp"
 #include "daemon/playback/sweep_pairing.hpp"
 #include "daemon/setup/drive_setup.hpp"
@@ -121,6 +122,29 @@ TEST_F(RealDrive, ACameraTurnedByOneDegreeAboutAnyAxisIsSuspected) {
   }
 }
 
+// Once a vehicle with gyros was taken to stay in a plane, and its deskewed sweeps were blurred.
+TEST_F(RealDrive, DeskewedSweepsAreSharperThanMeasuredOnes) {
+  IMPORT_OR_SKIP();
+  const json sharp =
+      json::parse(run_quietly("infuse evaluate --json --sharpness " + drive_.string()).output);
+  const json voxels = sharp["voxels_per_point"];
+  EXPECT_GE(sharp["sweeps"].get<int>(), 49);
+  EXPECT_LT(voxels["deskewed"].get<double>(), voxels["raw"].get<double>());
+  EXPECT_LT(voxels["deskewed"].get<double>(), 1.005 * voxels["lidar"].get<double>());
+  EXPECT_LT(sharp["p"].get<double>(), 0.01);
+}
+
+// There is no other source: infused deskews it by its own motion, and so do the commands.
+TEST(RealCapture, ALidarAloneIsDeskewedByDecodeToo) {
+  INFUSE_REAL_DATA_OR_SKIP(path, "velodyne/hdl32e-moving.pcap");
+  const TemporaryFolder folder;
+  const json decoded = json::parse(run_quietly("infuse decode --deskew --json " + path.string() +
+                                               " -o " + (folder / "x.pcd").string())
+                                       .output);
+  EXPECT_GE(decoded["sweeps"].get<int>(), 5);
+  EXPECT_LE(decoded["not_deskewed"].get<int>(), 2);
+}
+
 TEST_F(RealDrive, SaysWhatItCanBeUsedFor) {
   IMPORT_OR_SKIP();
   const json result = json::parse(run_quietly("infuse inspect --json " + drive_.string()).output);
@@ -180,7 +204,7 @@ TEST_F(RealDrive, ImageEdgesAreAtTheDepthEdgesOfDeskewedSweeps) {
   const CameraMount& camera = setup->rig.cameras[0];
   const auto images = recording::index_images(drive_ / "image_0", camera.stamp_delay);
   ASSERT_TRUE(images);
-  SweepPairing pairing(setup->rig.lidars[0].T_vehicle_lidar, true);
+  SweepPairing pairing(plan_odometry({}, *setup), setup->rig.lidars[0].T_vehicle_lidar, true);
   for (const auto& image : images->entries) pairing.add_exposure(image.stamp);
   std::vector<Sweep> measured;
   play_lidar(

@@ -17,7 +17,7 @@ class SimulatedVehicle {
   explicit SimulatedVehicle(uint64_t seed) : random_(seed) {}
 
   /// Begins a run of the daemon.
-  void restart(const daemon::OdometrySettings& settings) { odometry_.emplace(settings, false); }
+  void restart(const daemon::OdometrySettings& settings) { odometry_.emplace(settings); }
 
   /// Drives the second before `now`; `bus`, `gnss`: it delivers.
   void drive(Stamp now, bool bus, bool gnss, const FaultSchedule& faults);

@@ -5,6 +5,7 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <random>
 
 #include "drivers/velodyne/velodyne_maker.hpp"
 #include "fixtures/scene/capture.hpp"
@@ -120,6 +121,27 @@ TEST_F(AlignTest, StatesWhySweepsCannotBeAligned) {
   EXPECT_THAT(reason(there, "gicp"), HasSubstr("the clouds are identical"));
   EXPECT_THAT(reason(there, "global"), HasSubstr("the clouds are identical"));
   EXPECT_EQ(reason(write("far.ply", elsewhere), "gicp"), "the clouds do not overlap");
+}
+
+// On a plane the pose along it is that of the guess: it was given as usable, 100 m unsure.
+TEST_F(AlignTest, RefusesAPoseThatThePlaneDoesNotDetermine) {
+  const auto floor = [](uint64_t seed) {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<float> at(-20, 20), noise(-0.02f, 0.02f);
+    PointCloud cloud;
+    for (int i = 0; i < 8000; ++i) {
+      cloud.x.push_back(at(random));
+      cloud.y.push_back(at(random));
+      cloud.z.push_back(noise(random));
+    }
+    return cloud;
+  };
+  const ProgramResult refused =
+      align(write("a.ply", floor(1)) + write("b.ply", floor(2)) + "--json --method gicp");
+  EXPECT_EQ(refused.code, 1) << refused.output;
+  const json found = json::parse(refused.output);
+  EXPECT_EQ(found["reason"], "the geometry does not determine the pose in all directions");
+  EXPECT_THAT(found["free_directions"].get<std::string>(), HasSubstr("translation along x"));
 }
 
 TEST_F(AlignTest, TakesSweepsOfACaptureByTheirIndex) {
