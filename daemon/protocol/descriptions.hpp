@@ -112,8 +112,7 @@ void describe(Visitor& v, const PoseReport& pose) {
   v.field("covariance", pose.covariance, kCovarianceText);
   v.field("speed", when(pose.usable(), rounded(pose.speed)),
           "m/s along the vehicle's x; absent if not usable");
-  v.field("yaw_rate", when(pose.usable(), rounded(pose.yaw_rate)),
-          "rad/s; absent if not usable");
+  v.field("yaw_rate", when(pose.usable(), rounded(pose.yaw_rate)), "rad/s; absent if not usable");
   v.field("state", when(pose.map.has_value(), map.state), "frame map: state of the tracker");
   v.field("doubt", when(pose.map.has_value() && *map.reason != '\0', map.reason),
           "frame map: why the state is not TRACKING");

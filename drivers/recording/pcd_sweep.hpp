@@ -27,8 +27,8 @@ struct TimeField {
 /// field, or with more than 128 rings, rings are inferred from the order of the returns
 /// (`infer_rings`) or from their elevations (`restore_rings`). Order, rings and columns of a file
 /// with all fields of `export_sweep` are kept. `has_times` is true if there is a time of each
-/// return and not all are equal; one outside 0 … `kMaxTurn` is an error. Stamp, sequence and clock are left to the
-/// caller.
+/// return and not all are equal; one outside 0 … `kMaxTurn` is an error. Stamp, sequence and clock
+/// are left to the caller.
 Result<void> parse_pcd_sweep(std::string_view bytes, Sweep& sweep);
 
 /// The same for the points that follow a header, with the times of the field `time`.

@@ -33,9 +33,9 @@ double gnss_speed_noise(const OdometryOptions& options, double interval) {
 
 /// Errors of its course last for a second, whatever its rate: more fixes do not measure it better.
 double gnss_course_noise(const OdometryOptions& options, double interval) {
-  constexpr double kLasts = 1, kLeastInterval = 0.1;  // s
+  constexpr double kUnchanged = 1, kMinInterval = 0.1;  // s
   return options.gnss_course_noise *
-         std::sqrt(std::max(1.0, kLasts / std::max(interval, kLeastInterval)));
+         std::sqrt(std::max(1.0, kUnchanged / std::max(interval, kMinInterval)));
 }
 
 /// True if wheels that rest `since`, after they turned until `turned`, are those of a vehicle that
