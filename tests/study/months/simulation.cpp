@@ -113,7 +113,7 @@ Eigen::Isometry3d configured_pose() {
 /// True for alerts that only who raised them knows about.
 bool is_service_alert(const std::string& id) {
   return id.starts_with("infused.") && id != "infused.missing_sensors" &&
-         id != "infused.no_sensors";
+         id != "infused.no_sensors" && id != "infused.state";
 }
 
 }  // namespace
