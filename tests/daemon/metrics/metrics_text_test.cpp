@@ -176,7 +176,9 @@ TEST(MetricsText, PromtoolFindsNothingWrong) {
   if (std::system("command -v promtool >/dev/null 2>&1") != 0) GTEST_SKIP() << "no promtool";
   std::FILE* promtool = ::popen("promtool check metrics", "w");
   ASSERT_NE(promtool, nullptr);
-  const std::string text = metrics_text(health_report(), {"0.1.0", 2, 1 << 20, 20});
+  const std::string text =
+      metrics_text(health_report(),
+                   {.release = "0.1.0", .alerts = 2, .resident_bytes = 1 << 20, .descriptors = 20});
   std::fwrite(text.data(), 1, text.size(), promtool);
   EXPECT_EQ(WEXITSTATUS(::pclose(promtool)), 0);
 }
