@@ -269,11 +269,23 @@ bool is_metadata(const BagTopic& topic) {
   return topic.type == ros::String::kName && topic.name.ends_with("/metadata");
 }
 
+/// Frame of a lidar's topic; of packets without headers that of a cloud beside them; else the
+/// namespace, which is no frame.
+std::string group_of(const BagSurvey& survey, const BagTopic& topic) {
+  if (!topic.frame.empty() || !topic.has_data_packets) return topic.frame;
+  const std::string space = split_topic(topic.name).first;
+  const std::string cloud = topic_beside(survey, space, [](const BagTopic& each) {
+    return each.type == ros::PointCloud2::kName && !each.frame.empty();
+  });
+  const BagTopic* found = survey.find(cloud);
+  return found != nullptr ? found->frame : space;
+}
+
 Result<void> select_lidars(const BagSurvey& survey, const std::set<std::string>& wanted,
                            BagSelection& selection) {
   std::map<std::string, std::vector<const BagTopic*>> by_frame;
   for (const BagTopic* topic : candidates(survey, wanted, is_lidar, selection))
-    by_frame[topic->frame].push_back(topic);
+    by_frame[group_of(survey, *topic)].push_back(topic);
   for (auto& [frame, topics] : by_frame) {
     std::ranges::stable_sort(topics, {}, [](const BagTopic* topic) { return rank_of(*topic); });
     const BagTopic& best = *topics.front();
