@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "drivers/velodyne/packet.hpp"
@@ -22,6 +23,7 @@ namespace {
 using nlohmann::json;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 using velodyne::Model;
 
 struct Inspection {
@@ -207,6 +209,61 @@ TEST_F(InspectTest, MessagesGiveTheRightReasons) {
   const Inspection six_packets = inspect(few);
   EXPECT_EQ(six_packets.code, 1);
   EXPECT_THAT(six_packets.problems(), HasSubstr("6 lidar packets are too few"));
+}
+
+/// Datagrams of the right size from elsewhere are no lidar's, and do not spoil the one that is
+/// there.
+TEST_F(InspectTest, RandomDatagramsBesideAGoodLidarAreNamedAndNothingElse) {
+  const RawCapture capture = make(Model::kHdl32e, 0.5);
+  RawCapture mixed{capture.header, {}};
+  uint32_t noise = 1;
+  for (size_t i = 0; i < capture.records.size(); ++i) {
+    mixed.records.push_back(capture.records[i]);
+    if (i % 10 != 0 || !capture.records[i].is_data()) continue;
+    RawCapture::Record other = capture.records[i];
+    other.frame[29] = 77;  // the sender
+    for (size_t k = RawCapture::kPayload; k < other.frame.size(); ++k) {
+      noise = noise * 1'664'525 + 1'013'904'223;
+      other.frame[k] = static_cast<uint8_t>(noise >> 24);
+    }
+    mixed.records.push_back(other);
+  }
+  const Inspection alone = inspect(capture), found = inspect(mixed);
+  EXPECT_EQ(found.code, 0);
+  EXPECT_EQ(found.problems(), "[]");
+  EXPECT_EQ(found.lidar()["sweeps"], alone.lidar()["sweeps"]);
+  EXPECT_THAT(found.found["streams"].dump(), HasSubstr("other datagrams"));
+}
+
+TEST_F(InspectTest, PacketsThatCameTwiceAreAProblem) {
+  const RawCapture capture = make(Model::kVlp16, 0.3);
+  RawCapture twice{capture.header, {}};
+  for (const RawCapture::Record& record : capture.records) {
+    twice.records.insert(twice.records.end(), 2, record);
+  }
+  EXPECT_THAT(inspect(twice).problems(), HasSubstr("packets came twice"));
+}
+
+/// The sweeps are those of a steady clock, but for the moment of the step.
+TEST_F(InspectTest, AClockThatWasSetBackIsNamedAndTheTurnsAreRight) {
+  RawCapture capture = make(Model::kHdl32e, 1);
+  const Inspection steady = inspect(capture);
+  for (size_t i = capture.records.size() / 2; i < capture.records.size(); ++i) {
+    capture.records[i].seconds -= 2;
+  }
+  const Inspection found = inspect(capture);
+  EXPECT_THAT(found.problems(),
+              AllOf(HasSubstr("was set back 1 time(s), by up to"), Not(HasSubstr("jumps"))));
+  EXPECT_EQ(found.lidar()["sweeps"], steady.lidar()["sweeps"]);
+}
+
+TEST_F(InspectTest, SentencesAtThePortOfDataAreUsed) {
+  RawCapture capture = make(Model::kVlp16, 0.5);
+  for (RawCapture::Record& record : capture.records) {
+    if (record.is_position())
+      std::copy_n(capture.data()[0]->frame.begin() + 36, 2, record.frame.begin() + 36);
+  }
+  EXPECT_THAT(inspect(capture).found["sensors"].dump(), HasSubstr("gnss"));
 }
 
 TEST_F(InspectTest, CutAzimuthsWrap) {
