@@ -3,14 +3,11 @@
 #include <fcntl.h>
 #include <sys/file.h>
 
-#include "drivers/host/system_error.hpp"
-
 namespace infuse::daemon {
 
 Result<receive::FileDescriptor> lock_state(const std::filesystem::path& folder) {
   receive::FileDescriptor file(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (!file) return receive::fail_errno("cannot be opened", folder.string());
-  if (::flock(file.get(), LOCK_EX | LOCK_NB) == 0) return file;
+  if (!file || ::flock(file.get(), LOCK_EX | LOCK_NB) == 0) return file;
   return fail("another infused uses this state directory", folder.string(),
               "end it, or give this one another STATE_DIRECTORY");
 }

@@ -22,6 +22,7 @@ TEST(StateLock, OneProcessHasAStateDirectory) {
             std::string::npos);
   *first = receive::FileDescriptor();
   EXPECT_TRUE(lock_state(folder.path()));
+  EXPECT_TRUE(lock_state(folder / "missing"));
 }
 
 TEST(ServiceUser, RootChecksWithTheRightsOfTheService) {
