@@ -122,6 +122,7 @@ HealthReport health_report() {
   health.streams = {{"front", "camera", front}};
   health.odometry.emplace().status.reason = "no samples";
   health.odometry->status.speed = 3.25;
+  health.odometry->status.wheel_scale = 1.25;
   health.calibrations = {
       {"front", {{"drift_confirmed", Level::kError, Stamp::from_ns(1), "w", "a"}}}};
   health.host.emplace().cpu_s = 1.5;
@@ -161,7 +162,9 @@ TEST(MetricsText, FollowsTheFormat) {
       value(R"(infuse_finding{device="a\"b\\c\nd",kind="lidar",id="silent",severity="STALE"})"), 1);
   EXPECT_EQ(value("infuse_stream_received_total{device=\"front\",kind=\"camera\"}"), 7);
   EXPECT_EQ(value("infuse_odometry_usable"), 0);
-  EXPECT_EQ(value("infuse_odometry_speed_meters_per_second"), 3.25);
+  EXPECT_EQ(scraped.samples.count("infuse_odometry_speed_meters_per_second"), 0U)
+      << "no speed is stated where odometry is not usable";
+  EXPECT_EQ(value("infuse_odometry_wheel_scale"), 1.25);
   EXPECT_EQ(value("infuse_stage_latency_seconds{stage=\"monitor\",statistic=\"p99\"}"), 0.002);
   EXPECT_EQ(value("infuse_stage_deadline_misses_total{stage=\"monitor\"}"), 1);
   EXPECT_EQ(value("infuse_queue_lost_total{queue=\"items\"}"), 9);
