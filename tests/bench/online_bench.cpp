@@ -330,7 +330,7 @@ void kitti_stream(benchmark::State& state) {
         const Eigen::Isometry3d wrong =
             geometry::exp(size * kDegree * Vector6::Unit(axis)) * stream.T_camera_lidar;
         monitoring::CalibrationMonitor monitor(stream.camera, wrong, {});
-        const Drift drift = monitoring::kitti::drive(monitor, stream, 4).drift;
+        const Drift drift = monitoring::kitti::drive(monitor, stream, 4).verdict.drift;
         detected += drift == Drift::kSuspected || drift == Drift::kConfirmed ? 1 : 0;
         confirmed += drift == Drift::kConfirmed ? 1 : 0;
         const monitoring::Reestimate found = monitoring::kitti::estimate(stream, wrong);
