@@ -188,9 +188,9 @@ Command declare_recalibrate(CLI::App& infuse) {
 
 Command declare_apply(CLI::App& infuse) {
   const auto arguments = std::make_shared<CalibrationArguments>();
-  CLI::App* app = declare(
-      infuse, "apply", "put proposed, earlier or given extrinsics into use",
-      {"infuse apply --camera front", "infuse apply 7", "infuse apply --rig rig.toml"}, arguments);
+  CLI::App* app =
+      declare(infuse, "apply", "put proposed, earlier or given extrinsics into use",
+              {"infuse apply 7", "infuse apply --rig rig.toml --camera front"}, arguments);
   CLI::Option* number =
       app->add_option("NUMBER", arguments->number,
                       "of infuse calibrations (default: the one that is proposed)")

@@ -24,6 +24,7 @@ const std::vector<std::string> kCommands = {
     "config",
     "diagnose",
     "calibration",
+    "calibrations",
     "recalibrate",
     "apply",
     "rollback",
