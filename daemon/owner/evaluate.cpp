@@ -90,9 +90,8 @@ Command declare_evaluate(CLI::App& infuse) {
       ->type_name("NAME")
       ->needs(sharpness);
   app->add_flag("--json", arguments->json, "print the result as one JSON object");
-  set_examples(*app,
-               {"infuse evaluate track.tum drive/ --align first",
-                "infuse evaluate rig.toml drive/ --json", "infuse evaluate --sharpness drive/"});
+  set_examples(*app, {"infuse evaluate track.tum drive/ --align first",
+                      "infuse evaluate --sharpness drive/"});
   return {app, [arguments] { return run(*arguments); }};
 }
 

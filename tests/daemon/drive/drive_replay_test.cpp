@@ -187,7 +187,13 @@ TEST_F(DriveReplayTest, ASilentBusLeavesSweepsNotDeskewedAndIsReported) {
   edit_can_log([](size_t, const std::string& line) {
     return line < "(1750000000.3" ? line + "\n" : std::string();
   });
-  const ReplayResult result = replay();
+  // The lidar measures the motion without the bus.
+  const ReplayResult by_lidar = replay();
+  EXPECT_TRUE(by_lidar.totals.odometry.usable());
+  EXPECT_THAT(raised_alerts(by_lidar), testing::Contains("can.silent"));
+  EXPECT_THAT(raised_alerts(by_lidar), testing::Not(testing::Contains("odometry.untrusted")));
+
+  const ReplayResult result = replay({.pipeline = {.odometry = {.use_lidar = false}}});
   EXPECT_FALSE(result.totals.odometry.usable());
   size_t not_deskewed = 0;
   for (const json& sweep : reports_of(result, "SWEEP")) {
