@@ -150,11 +150,11 @@ TEST_F(AlignTest, TakesSweepsOfACaptureByTheirIndex) {
   options.model = &velodyne::lidar_model(velodyne::Model::kVlp16);
   options.duration = from_seconds(1);
   ASSERT_TRUE(fixtures::make_capture(capture, options));
-  // The lidar stands still; the capture's noise and a moving box differ.
+  // Of the wall across the street's end, 60 m ahead, sixteen beams see less than a hundredth: the
+  // way along the street is not determined.
   const ProgramResult found = align(capture + ":2 " + capture + ":6 --method gicp --json");
-  ASSERT_EQ(found.code, 0) << found.output;
-  const json result = json::parse(found.output);
-  EXPECT_NEAR(result["T_target_source"][3].get<double>(), 0, 0.01);
+  ASSERT_EQ(found.code, 1) << found.output;
+  EXPECT_EQ(json::parse(found.output)["free_directions"], "translation along x");
   const ProgramResult missing = align(capture + ":2 " + capture + ":99");
   EXPECT_EQ(missing.code, 3);
   EXPECT_THAT(missing.output, HasSubstr("has no sweep 99"));
