@@ -10,11 +10,11 @@ namespace {
 
 using geometry::Vector6;
 
-constexpr double kMaxGap = 2;                 // s; the motion during a longer gap is unknown
-constexpr double kNegligibleEvidence = 0.5;   // nats
-constexpr int kEvaluationsPerMove = 3;        // of the pose that follows a drift
-constexpr double kSignificantMove = 2;        // standard deviations: 95 %
-constexpr double kWholeStep = 0.7;            // of a step: the maximum may lie beyond it
+constexpr double kMaxGap = 2;                // s; the motion during a longer gap is unknown
+constexpr double kNegligibleEvidence = 0.5;  // nats
+constexpr int kEvaluationsPerMove = 3;       // of the pose that follows a drift
+constexpr double kSignificantMove = 3;       // standard deviations: of 15 steps one in 25 by chance
+constexpr double kWholeStep = 0.7;           // of a step: the maximum may lie beyond it
 constexpr double kHalfInformationPeak = 0.1;  // nats; a peak of this height has information ½
 
 /// Fits the parabola through three values one step apart.
@@ -190,8 +190,10 @@ void CalibrationMonitor::state_drift(DriftVerdict& verdict) const {
   for (int k = 0; k < 6; ++k) {
     const auto axis = static_cast<Axis>(k);
     const double sigma = led_->detector.sigma(axis);
-    // What the measure's own bias may be, taken as two sigma.
-    const double bias = 0.5 * options_.detector.tolerated_offset[static_cast<size_t>(k)];
+    verdict.offset(k) -= led_->detector.offset(axis);  // what is left where it has come to
+    // What the measure's own bias may be. One axis at a time, a part of a rotation is taken for the
+    // translation that looks alike, so that it counts as one sigma.
+    const double bias = options_.detector.tolerated_offset[static_cast<size_t>(k)];
     verdict.sigma(k) =
         std::hypot(std::isfinite(sigma) ? sigma : step_for(axis), bias, led_move_(k));
     const double drift =

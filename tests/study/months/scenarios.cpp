@@ -208,14 +208,16 @@ constexpr Scenario kScenarios[] = {
      "60-100 disk full; 70-80 top silent; 120-130 rear silent",
      "infused.state 60..70 100..110; top.silent 72 80; infused.record 72..75 122; "
      "rear.silent 122 130"},
-    {"a calibration applied on a full disk is kept",
-     "60 front turned 0.01; 240-280 disk full; 250 owner apply; 320 service restart",
-     "front.drift_suspected 62..90 *; front.drift_confirmed 70..120 250..251; "
-     "front.calibration_changed 250..251 262..275; infused.state 240..250 280..290; infused.record "
-     "250 -",
+    {"nothing is applied on a full disk, and what is applied later is kept",
+     "60 front turned 0.01; 240-280 disk full; 250 owner apply; 290 owner apply; 330 service "
+     "restart",
+     "front.drift_suspected 62..90 *; front.drift_confirmed 70..120 290..291; "
+     "owner.apply_refused 250 -; front.calibration_changed 290..291 302..315; "
+     "infused.state 240..250 280..290; front.drift_suspected * *",
      450, "alert-only", -1, "true", false},
-    {"freezing on a full disk fails, and is kept later",
-     "60-100 disk full; 70 owner freeze; 150 service restart; 170 front turned 0.01",
+    {"freezing on a full disk fails and changes nothing; later it is kept",
+     "60-100 disk full; 70 owner freeze; 120 owner freeze; 150 service restart; "
+     "170 front turned 0.01",
      "infused.state 60..70 100..110; owner.freeze_refused 70 -; front.drift_suspected * *; "
      "front.drift_confirmed 175..250 -",
      400, "apply", -1, "configured", false},

@@ -17,8 +17,8 @@ struct AxisModel {
 };
 constexpr double kKappa = 0.0045;
 constexpr AxisModel kRotation{0.004, 8.7e-3}, kTranslation{0.03, 0.06}, kTime{0.03, 0.08},
-    kWideRotation{0.012, 0.026}, kWideTime{0.06, 0.24}, kFarRotation{0.024, 0.0524},
-    kFartherRotation{0.048, 0.105};
+    kWideRotation{0.012, 0.026}, kWideTime{0.06, 0.24}, kFarRotation{0.012, 0.0524},
+    kFartherRotation{0.024, 0.105};
 
 const AxisModel& model_of(Axis axis) {
   if (axis <= Axis::kRotationZ) return kRotation;
@@ -82,13 +82,18 @@ void SimulatedCamera::move(const FaultSchedule& faults) {
 monitoring::AxisEvaluation SimulatedCamera::evaluate(double late) {
   const geometry::Vector6 offset = geometry::log(T_true_ * supervisor_->current().inverse());
   monitoring::AxisEvaluation evaluation;
+  monitoring::PerAxis errors{};
   for (size_t k = 0; k < monitoring::kAxes; ++k) {
     const auto axis = static_cast<Axis>(k);
     const AxisModel& model = model_of(axis);
     const Axis base = monitoring::base_axis(axis);
     const double true_offset = base == Axis::kTime ? late : offset[static_cast<Eigen::Index>(base)];
-    const double seen =
-        std::clamp(true_offset + noise(model.sigma), -1.5 * model.step, 1.5 * model.step);
+    // The far steps see the peak that the wide ones see.
+    const size_t wide = static_cast<size_t>(Axis::kWideRotationX) + static_cast<size_t>(base);
+    const double error = monitoring::is_far(axis) ? errors[wide] * model.sigma / kWideRotation.sigma
+                                                  : noise(model.sigma);
+    errors[k] = error;
+    const double seen = std::clamp(true_offset + error, -1.5 * model.step, 1.5 * model.step);
     evaluation.step[k] = model.step;
     evaluation.curvature[k] = kKappa / (model.sigma * model.sigma);
     evaluation.slope[k] = evaluation.curvature[k] * seen;
