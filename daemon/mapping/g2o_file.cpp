@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 
+#include "drivers/recording/decompress.hpp"
 #include "drivers/text/numbers.hpp"
 #include "drivers/text/text_file.hpp"
 #include "fusion/geometry/symmetric_eigen.hpp"
@@ -252,7 +253,15 @@ Result<G2oFile> parse_g2o(std::string_view text, const std::string& name) {
 
 Result<G2oFile> read_g2o(const std::filesystem::path& file) {
   constexpr size_t kMaxBytes = size_t{1} << 30;
-  const auto text = text::read_text(file, kMaxBytes);
+  auto opened = text::open_regular_file(file);
+  if (!opened) return tl::unexpected(opened.error());
+  if (const char* unpack = recording::unknown_compression(opened->get())) {
+    return fail("is compressed in a way that is not read", file.string(),
+                std::string("unpack it: ") + unpack);
+  }
+  const text::File plain(recording::decompress(opened->release()));
+  if (!plain) return fail("cannot be read: no memory", file.string());
+  const auto text = text::read_text(plain.get(), file, kMaxBytes);
   if (!text) return tl::unexpected(text.error());
   return parse_g2o(*text, file.string());
 }

@@ -25,21 +25,25 @@ Result<File> open_regular_file(const std::filesystem::path& path) {
 }
 
 Result<std::string> read_text(const std::filesystem::path& path, size_t max_bytes) {
-  const auto opened = open_regular_file(path);
-  if (!opened) return tl::unexpected(opened.error());
-  const File& file = *opened;
+  const auto file = open_regular_file(path);
+  if (!file) return tl::unexpected(file.error());
+  return read_text(file->get(), path, max_bytes);
+}
+
+Result<std::string> read_text(std::FILE* file, const std::filesystem::path& path,
+                              size_t max_bytes) {
   std::string text;
   for (;;) {
     constexpr size_t kChunkBytes = 1 << 16;
     const size_t old_size = text.size();
     text.resize(old_size + kChunkBytes);
-    const size_t bytes_read = std::fread(text.data() + old_size, 1, kChunkBytes, file.get());
+    const size_t bytes_read = std::fread(text.data() + old_size, 1, kChunkBytes, file);
     text.resize(old_size + bytes_read);
     if (text.size() > max_bytes)
       return fail("is longer than " + std::to_string(max_bytes) + " bytes", path.string());
     if (bytes_read < kChunkBytes) break;
   }
-  if (std::ferror(file.get()) != 0)
+  if (std::ferror(file) != 0)
     return fail(std::string("cannot be read: ") + std::strerror(errno), path.string());
   return text;
 }

@@ -21,6 +21,9 @@ Result<File> open_regular_file(const std::filesystem::path& path);
 /// Reads a whole regular file of at most `max_bytes`. Larger files are errors.
 Result<std::string> read_text(const std::filesystem::path& path, size_t max_bytes);
 
+/// The rest of an open file of at most `max_bytes`; `path` is said in errors.
+Result<std::string> read_text(std::FILE* file, const std::filesystem::path& path, size_t max_bytes);
+
 /// Creates or overwrites a file. Fails if not all of it could be written.
 Result<void> write_text(const std::filesystem::path& path, std::string_view text);
 

@@ -235,8 +235,7 @@ void declare_optimize(CLI::App& app, MapArguments& arguments) {
       "reject closures that contradict the odometry and each other; they are listed, "
       "and not in the graph that is written");
   optimize->add_flag("--json", arguments.json, "print the result as one JSON object");
-  set_examples(*optimize, {"infuse map optimize graph.g2o -o optimised.g2o",
-                           "infuse map optimize graph.g2o.gz --robust -o optimised.g2o",
+  set_examples(*optimize, {"infuse map optimize graph.g2o.gz --robust -o optimised.g2o",
                            "infuse map optimize graph.g2o --start file -o optimised.g2o --json"});
 }
 

@@ -80,6 +80,23 @@ TEST_F(MapCommandTest, RejectsAFalseClosure) {
   EXPECT_THAT(optimize("--robust").output, HasSubstr("1 of 9 closures rejected"));
 }
 
+TEST_F(MapCommandTest, ReadsCompressedGraphsAndNamesTheOthers) {
+  folder_.write("graph.g2o", kSquare);
+  ASSERT_EQ(optimize("").code, 0);
+  const std::string expected = folder_.read("out.g2o");
+  const std::string file = (folder_ / "graph.g2o").string();
+  ASSERT_EQ(run_shell_command("gzip -f " + file + " && mv " + file + ".gz " + file).code, 0);
+  EXPECT_EQ(optimize("").code, 0);
+  EXPECT_EQ(folder_.read("out.g2o"), expected);
+  folder_.write("graph.g2o", std::string("\xFD"
+                                         "7zXZ\0",
+                                         6) +
+                                 "rest");
+  const auto refused = optimize("");
+  EXPECT_EQ(refused.code, 3);
+  EXPECT_THAT(refused.output, HasSubstr("unxz"));
+}
+
 // A file that ends in .g2o is a graph without the word optimize too.
 TEST_F(MapCommandTest, TakesAGraphInPlaceOfADrive) {
   folder_.write("graph.g2o", kSquare);
