@@ -17,7 +17,7 @@ struct AxisModel {
 };
 constexpr double kKappa = 0.0045;
 constexpr AxisModel kRotation{0.004, 8.7e-3}, kTranslation{0.03, 0.06}, kTime{0.03, 0.08},
-    kWideRotation{0.012, 0.026}, kWideTime{0.06, 0.24}, kFarRotation{0.012, 0.0524},
+    kWideRotation{0.012, 0.0214}, kWideTime{0.06, 0.24}, kFarRotation{0.012, 0.0524},
     kFartherRotation{0.024, 0.105};
 
 const AxisModel& model_of(Axis axis) {
