@@ -37,7 +37,7 @@ struct MqttSettings {
   std::optional<std::string> invalid() const;
 };
 
-/// What is valid and yet hardly meant: a password that is sent in the clear, a broker whose
+/// A valid setting that is probably a mistake: a password that is sent in the clear, a broker whose
 /// addresses the systemd unit may deny. Nothing if there is no broker.
 std::optional<Error> find_broker_doubt(const MqttSettings& settings);
 

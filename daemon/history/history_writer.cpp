@@ -68,7 +68,10 @@ void HistoryWriter::write_summary() {
 
 void HistoryWriter::write(const Json& entry) {
   if (!enabled_) return;
-  if (waiting_.size() == kMaxWaiting) waiting_.pop_front();
+  if (waiting_.size() == kMaxWaiting) {
+    waiting_.pop_front();
+    ++lost_;
+  }
   waiting_.push_back(json_text(entry));
   write_waiting();
 }
@@ -76,7 +79,10 @@ void HistoryWriter::write(const Json& entry) {
 void HistoryWriter::write_waiting() {
   for (; !waiting_.empty(); waiting_.pop_front()) {
     const auto written = file_.append(waiting_.front());
-    problem_ = written ? "" : written.error().message();
+    problem_ = written ? ""
+               : lost_ == 0
+                   ? written.error().message()
+                   : written.error().message() + "; " + std::to_string(lost_) + " lines lost";
     if (!written) return;
   }
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <map>
 #include <optional>
@@ -53,6 +54,7 @@ class HistoryWriter {
   HistoryFile file_;
   bool enabled_;
   std::deque<std::string> waiting_;  // lines that could not be written yet
+  uint64_t lost_ = 0;                // lines for which there was no room to wait
   std::string problem_;
   std::map<std::string, Eigen::Isometry3d> calibrations_;  // written last, by camera
   std::optional<Sums> sums_;

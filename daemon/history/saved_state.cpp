@@ -26,7 +26,9 @@ std::string format_state(const SavedState& state) {
       {"unclean", state.unclean_exits},  {"running", state.running},
       {"saved_ns", state.saved_at.ns()}, {"running_for_ns", state.total_run_time.count()}};
   std::string text = json.dump(2);
-  text.insert(text.size() - 1, kFormattedBytes - 1 - text.size(), ' ');  // before the last brace
+  if (const size_t bytes = text.size() + 1; bytes < kFormattedBytes) {
+    text.insert(text.size() - 1, kFormattedBytes - bytes, ' ');  // before the last brace
+  }
   return text + "\n";
 }
 

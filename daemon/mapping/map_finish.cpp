@@ -258,9 +258,9 @@ Result<MapSummary> finish_map(const MapFolder& folder, const MapDrive& drive,
       settings.use_gnss ? make_georeference(drive, settings.earth) : Georeference{};
 
   std::optional<mapping::KnownPoses> known;
-  if (auto fit = mapping::fit_to_earth(graph, origin.factors, settings.earth);
-      fit.georeferenced()) {
-    known = mapping::KnownPoses{poses_of(fit), settings.earth.sigma};
+  if (!origin.factors.empty()) {
+    const auto fit = mapping::fit_to_earth(graph, origin.factors, settings.earth);
+    if (fit.georeferenced()) known = mapping::KnownPoses{poses_of(fit), settings.earth.sigma};
   }
   if (settings.close_loops) {
     size_t accepted = 0;

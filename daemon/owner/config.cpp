@@ -1,8 +1,13 @@
 #include <spdlog/fmt/fmt.h>
 
+#include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <sstream>
+#include <string>
+#include <system_error>
+#include <vector>
 
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/owner/commands.hpp"
@@ -16,6 +21,7 @@ namespace infuse::daemon {
 namespace {
 
 constexpr const char* kConfigProgram = "infuse config";
+constexpr int kNotFound = 127;  // exit code of a program that is not there, as shells have it
 
 struct ConfigArguments {
   std::string action;
@@ -34,9 +40,21 @@ std::vector<std::string> words_of(const std::string& command) {
   return words;
 }
 
-/// The daemon's own check of a configuration, one JSON object.
+/// The daemon's own check of a configuration: that of PATH, or else the one beside this program.
+ProgramEnd run_check(const std::string& file, bool json) {
+  std::vector<std::string> words = {"infused", "--check-config", "--config", file};
+  if (json) words.emplace_back("--json");
+  ProgramEnd end = run_program(words);
+  if (end.code != kNotFound) return end;
+  std::error_code failed;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", failed);
+  words.front() = (program.parent_path() / "infused").string();
+  return run_program(words);
+}
+
+/// The same as one JSON object.
 Result<Json> ask_daemon(const std::string& file) {
-  const ProgramEnd end = run_program({"infused", "--check-config", "--json", "--config", file});
+  const ProgramEnd end = run_check(file, true);
   Json checked = Json::parse(end.output, nullptr, false);
   if (checked.is_object()) return checked;
   return fail("infused --check-config cannot be run: " + end.output, file,
@@ -98,10 +116,12 @@ int apply(const ConfigArguments& arguments) {
 }
 
 int check(const ConfigArguments& arguments) {
-  std::vector<std::string> words = {"infused", "--check-config", "--config",
-                                    arguments.file.empty() ? arguments.target : arguments.file};
-  if (arguments.json) words.emplace_back("--json");
-  const ProgramEnd end = run_program(words);
+  const ProgramEnd end =
+      run_check(arguments.file.empty() ? arguments.target : arguments.file, arguments.json);
+  if (end.code == kNotFound) {
+    return print_error(kConfigProgram,
+                       {"infused is not there", "", "is the package infused installed?"}, kFailure);
+  }
   std::cout << end.output;
   return end.code;
 }

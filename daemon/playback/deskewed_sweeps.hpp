@@ -43,6 +43,8 @@ class DeskewedSweeps {
     process_due(Stamp::latest(), on_sweep);
   }
 
+  /// True if sweeps measure the motion; else they are only deskewed.
+  bool uses_lidar() const { return lidar_motion_.has_value(); }
   /// Dead reckoning so far.
   const geometry::Trajectory& trajectory() const { return odometry_.trajectory(); }
   /// True if the motion up to the last sweep was measured by its registration.

@@ -26,7 +26,7 @@ void SweepPairing::add_exposure(Stamp exposure) {
 }
 
 void SweepPairing::add_sweep(const Sweep& sweep) {
-  odometry_.add_sweep(sweep);
+  if (odometry_.uses_lidar()) odometry_.add_sweep(sweep);  // else only samples are needed
   for (size_t k = next_; k < exposures_.size(); ++k) {
     const Duration gap = pairing_gap(exposures_[k], sweep);
     PairedSweep& pair = pairs_[k];

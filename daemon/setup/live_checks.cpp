@@ -127,7 +127,7 @@ Result<void> check_sensors(const Config& config) {
   return {};
 }
 
-/// What is valid and yet hardly meant.
+/// Valid settings that are probably mistakes.
 std::vector<Error> find_doubts(const Config& config, const Rig& rig) {
   std::vector<Error> doubts;
   for (const CameraOptions& camera : config.cameras) {

@@ -18,7 +18,7 @@ Result<void> check_services(const Config& config);
 /// Two sensors on one device, `use_lidar` without a lidar.
 Result<void> check_sensors(const Config& config);
 
-/// What is valid and yet hardly meant.
+/// Valid settings that are probably mistakes.
 std::vector<Error> find_doubts(const Config& config, const Rig& rig);
 
 }  // namespace infuse::daemon

@@ -52,7 +52,7 @@ struct SensorSetup {
 
   std::vector<PortSetup> ports;                       ///< live: of the lidars
   std::optional<vehicle::SerialOptions> gnss_serial;  ///< live: device of the GNSS receiver
-  /// Live: what is valid and yet hardly meant. Of a capture: lidars that are left out.
+  /// Live: valid settings that are probably mistakes. Of a capture: lidars that are left out.
   std::vector<Error> doubts;
 
   std::filesystem::path path;     ///< the drive or capture

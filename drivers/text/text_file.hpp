@@ -9,11 +9,11 @@
 #include "drivers/measurement/error.hpp"
 
 namespace infuse::text {
-
+/// Closes a file that a `File` owns.
 struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }
 };
-using File = std::unique_ptr<std::FILE, CloseFile>;
+using File = std::unique_ptr<std::FILE, CloseFile>;  ///< an open file
 
 /// Opens a regular file to read. Folders, pipes and devices, which may never end, are errors.
 Result<File> open_regular_file(const std::filesystem::path& path);

@@ -135,16 +135,19 @@ void fit_once(const PoseGraph<3>& keyframes, const std::vector<PositionFactor>& 
       graph.edges.push_back(position_edge(factors[i], T_map_pose, weight));
     }
   }
+  fit.optimized = PoseGraphSolver<3>(graph).optimize(graph);
+}
+
+/// Standard deviation of the vertical, rad: the largest of the first, middle and last keyframe.
+double tilt_sigma_of(const PoseGraph<3>& graph) {
   PoseGraphSolver<3> solver(graph);
-  fit.optimized = solver.optimize(graph);
-  if (!fit.usable()) return;
-  const size_t last = keyframes.poses.size();
+  const size_t last = graph.poses.size() - 1;
   double variance = 0;
   for (const PoseMatrix<3>& covariance : solver.covariances(graph, {1, (1 + last) / 2, last})) {
     const Eigen::Matrix2d tilt = covariance.topLeftCorner<2, 2>();
     variance = std::max(variance, tilt.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff());
   }
-  fit.tilt_sigma = std::sqrt(variance);
+  return std::sqrt(variance);
 }
 
 /// Why positions cannot georeference a map, or an empty text.
@@ -245,6 +248,7 @@ EarthFit fit_to_earth(const PoseGraph<3>& keyframes, const std::vector<PositionF
     fit.rms = 0;
     fit_slopes(keyframes, options, fit);
   }
+  if (fit.usable()) fit.tilt_sigma = tilt_sigma_of(fit.graph);
   return fit;
 }
 

@@ -143,14 +143,15 @@ CalibrationMonitor::Surroundings CalibrationMonitor::evaluate(
 }
 
 /// Moves a second pose to where the dependence is highest, one axis at a time.
-void CalibrationMonitor::follow_drift(const Motion& motion) {
+void CalibrationMonitor::follow_drift(const Surroundings& around, const Motion& motion) {
   if (!detector_.suspected()) return led_.reset();
   if (!led_) {
     led_.emplace(Monitored{T_camera_lidar_, detector_, {}});
     led_->detector.restart();
     led_move_.setConstant(options_.wide_rotation_step);  // not known yet
   }
-  led_->detector.add(evaluate(led_->T_camera_lidar, motion).axes);
+  const bool has_moved = led_->T_camera_lidar.matrix() != T_camera_lidar_.matrix();
+  led_->detector.add(has_moved ? evaluate(led_->T_camera_lidar, motion).axes : around.axes);
   if (led_->detector.evaluations_since_restart() < kEvaluationsPerMove) return;
   Axis leading = Axis::kRotationX;
   double most = 0;  // standard deviations
@@ -219,7 +220,7 @@ void CalibrationMonitor::evaluate_calibrations(const CameraFrame& grey, const Sw
   report.evaluated = true;
   detector_.add(around.axes);
   ambiguity_.add(motion);
-  follow_drift(motion);
+  follow_drift(around, motion);
   if (alternative_) {
     const Surroundings other = evaluate(alternative_->T_camera_lidar, motion);
     report.gain = around.centre - other.centre;

@@ -105,7 +105,7 @@ class CalibrationMonitor {
     double spread = 0;  // nats, the largest difference along an axis
   };
   Surroundings evaluate(const Eigen::Isometry3d& T_camera_lidar, const Motion& motion);
-  void follow_drift(const Motion& motion);
+  void follow_drift(const Surroundings& around, const Motion& motion);
   void state_drift(DriftVerdict& verdict) const;
   void evaluate_calibrations(const CameraFrame& grey, const SweepView& sweep, const Motion& motion,
                              MonitorReport& report);

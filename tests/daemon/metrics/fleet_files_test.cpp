@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <set>
+#include <vector>
 
 #include "daemon/metrics/metrics_text.hpp"
 #include "daemon/protocol/descriptions.hpp"
@@ -34,11 +35,11 @@ class MetricNames {
   template <class T>
   void field(const char*, const T& value, const char* = "", const Metric& metric = {}) {
     if (metric.name != nullptr) names.insert(metric.name);
-    if constexpr (requires { describe(*this, value); }) {
-      describe(*this, value);
-    } else if constexpr (requires(typename T::value_type item) { item.latency; }) {
-      describe(*this, typename T::value_type());
-    }
+    if constexpr (requires { describe(*this, value); }) describe(*this, value);
+  }
+  template <class T>
+  void field(const char*, const std::vector<T>&, const char* = "", const Metric& = {}) {
+    if constexpr (requires { describe(*this, T()); }) describe(*this, T());
   }
 
   Names names;

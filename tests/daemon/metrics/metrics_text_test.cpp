@@ -9,6 +9,7 @@
 #include <regex>
 #include <set>
 #include <sstream>
+#include <vector>
 
 #include "daemon/protocol/descriptions.hpp"
 
@@ -74,9 +75,11 @@ class MissingMetrics {
       if (metric.name == nullptr) missing.emplace_back(name);
     } else if constexpr (requires { describe(*this, value); }) {
       describe(*this, value);
-    } else if constexpr (requires(typename T::value_type item) { item.latency; }) {
-      describe(*this, typename T::value_type());
     }
+  }
+  template <class T>
+  void field(const char*, const std::vector<T>&, const char* = "", const Metric& = {}) {
+    if constexpr (requires { describe(*this, T()); }) describe(*this, T());
   }
 
   size_t numbers = 0;
