@@ -25,7 +25,7 @@ void add_registration_commands(CLI::App& app) {
   codebook->callback([] {
     const auto features = training_features(recipe, {registration::ScanFeature::kFpfhSift});
     std::ofstream file(output);
-    write_codebook(file, learn_codebook(features.front(), recipe.words, 1), recipe);
+    write_codebook(file, registration::learn_codebook(features.front(), recipe.words, 1), recipe);
     if (!file.flush()) throw CLI::FileError(output + ": cannot be written");
   });
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 namespace infuse::places {
@@ -63,6 +64,21 @@ TEST(ImageDescriptor, SmallAndUnequalImagesAreNotSimilar) {
   EXPECT_TRUE(none.values.empty());
   EXPECT_EQ(similarity(none, describe_image(pixels, kWidth, kHeight)), -1);
   EXPECT_EQ(similarity(none, none), -1);
+}
+
+TEST(DescribeContrast, DoesNotDependOnBrightnessAndContrast) {
+  const auto pixels = cut_out(1, 5), brighter = cut_out(1, 5, 1.5, 40);
+  std::vector<ImageDescriptor> drive{describe_contrast(pixels, kWidth, kHeight),
+                                     describe_contrast(brighter, kWidth, kHeight),
+                                     describe_contrast(cut_out(2, 5), kWidth, kHeight)};
+  ASSERT_EQ(drive[0].values.size(), static_cast<size_t>(kWidth * kHeight));
+  EXPECT_GT(similarity(drive[0], drive[1], 0), 0.99);
+  EXPECT_LT(similarity(drive[0], drive[2], 0), 0.5);
+  // A pixel in standard deviations of its window.
+  const std::vector<uint8_t> step{10, 10, 10, 10, 30, 10, 10, 10, 10};
+  constexpr double kMean = 110.0 / 9, kVariance = 1700.0 / 9 - kMean * kMean;
+  EXPECT_NEAR(describe_contrast(step, 3, 3, 3).values[4], (30 - kMean) / std::sqrt(kVariance + 1),
+              1e-4);
 }
 
 }  // namespace

@@ -14,9 +14,20 @@
 namespace infuse::places {
 namespace {
 
+using Describe = ImageDescriptor (*)(std::span<const uint8_t>, int, int);
+
+ImageDescriptor by_edges(std::span<const uint8_t> pixels, int width, int height) {
+  return describe_image(pixels, width, height);
+}
+
+ImageDescriptor by_contrast(std::span<const uint8_t> pixels, int width, int height) {
+  return describe_contrast(pixels, width, height);
+}
+
 /// Descriptors of the tiles `begin` … `end` - 1 of a mosaic, row by row.
 std::vector<ImageDescriptor> describe_tiles(const std::filesystem::path& file, int columns,
-                                            int width, int height, int begin, int end) {
+                                            int width, int height, int begin, int end,
+                                            Describe describe = by_edges) {
   std::ifstream in(file, std::ios::binary);
   const std::vector<char> bytes(std::istreambuf_iterator<char>(in), {});
   CameraFrame mosaic;
@@ -34,7 +45,7 @@ std::vector<ImageDescriptor> describe_tiles(const std::filesystem::path& file, i
             mosaic.pixels[static_cast<size_t>((top + row) * mosaic.width + left + column)];
       }
     }
-    out.push_back(describe_image(tile, width, height));
+    out.push_back(describe(tile, width, height));
   }
   remove_common_view(out);
   return out;
@@ -101,9 +112,11 @@ std::vector<size_t> thinned(size_t count) {
   return out;
 }
 
-Drives nordland(const std::filesystem::path& folder, int begin, int end) {
-  return {describe_tiles(folder / "winter_1200-2199_grid40x25.png", 40, 64, 32, begin, end),
-          describe_tiles(folder / "summer_1200-2199_grid40x25.png", 40, 64, 32, begin, end)};
+Drives nordland(const std::filesystem::path& folder, int begin, int end,
+                Describe describe = by_edges) {
+  return {
+      describe_tiles(folder / "winter_1200-2199_grid40x25.png", 40, 64, 32, begin, end, describe),
+      describe_tiles(folder / "summer_1200-2199_grid40x25.png", 40, 64, 32, begin, end, describe)};
 }
 
 void report(const char* name, const Drives& drives, size_t length) {
@@ -129,6 +142,23 @@ TEST(RealSequences, ARailwayInWinterIsFoundOnTheMapOfSummer) {
   EXPECT_GT(whole.found, 0.5);
   EXPECT_LT(whole.wrong, 0.02);
   EXPECT_LT(half.wrong, 0.02);
+}
+
+TEST(RealSequences, EdgesFindMoreThanACorrelationOfLocalContrast) {
+  INFUSE_REAL_DATA_OR_SKIP(folder, "places/nordland_64x32");
+  const Drives edges = nordland(folder, 500, 1000);
+  const Drives contrast = nordland(folder, 500, 1000, by_contrast);
+  ASSERT_EQ(contrast.query.size(), 500U);
+  const auto lead = [&](size_t length) {
+    const double by_edges = share_right(edges, all_of(500), length);
+    const double by_contrast = share_right(contrast, all_of(500), length);
+    std::cout << "sequences of " << length << ": edges " << by_edges << ", contrast " << by_contrast
+              << "\n";
+    return by_edges - by_contrast;
+  };
+  EXPECT_GE(lead(21), 0.02);
+  EXPECT_GE(lead(9), 0.05);
+  EXPECT_GE(lead(1), 0.10);
 }
 
 TEST(RealSequences, AWalkIsFoundOnAnother) {

@@ -45,7 +45,7 @@ std::vector<Method> make_methods(const InformationStudyOptions& options, bool va
   const std::vector<Eigen::MatrixXf> features =
       training_features({.drives = options.training_drives}, kKinds);
   const auto learn = [&](ScanFeature kind, size_t words) {
-    return learn_codebook(features[static_cast<size_t>(kind)], words, 1);
+    return registration::learn_codebook(features[static_cast<size_t>(kind)], words, 1);
   };
   // Reflectivity and grey are of many points: a narrower radius, or every point has a partner.
   std::vector<Method> methods{
