@@ -207,8 +207,12 @@ void answer(const std::vector<places::SequenceMatch>& matches,
 }
 
 void match_table(const SimilarityTable& table, const ComparisonRequest& request, Comparison& out) {
-  const places::SequenceMatchOptions options{.length =
-                                                 request.sequence == "none" ? 1 : request.length};
+  if (request.sequence == "none") {
+    for (const auto& match : places::match_sequences(table, {.length = 1}))
+      out.answers.push_back({match, std::nullopt});  // in reverse order they are the same
+    return;
+  }
+  const places::SequenceMatchOptions options{.length = request.length};
   answer(places::match_sequences(table, options), places::MatchEvidence(table, options), out);
 }
 

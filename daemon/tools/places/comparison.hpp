@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,7 +23,7 @@ struct ComparisonRequest {
 /// Where one place of the query was found.
 struct PlaceAnswer {
   places::SequenceMatch match;
-  double chance = 1;  ///< probability that the match is one by chance
+  std::optional<double> chance;  ///< probability that the match is one by chance; of sequences
 };
 
 /// Two drives, compared.

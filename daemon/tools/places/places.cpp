@@ -32,8 +32,10 @@ Json answers_json(const Comparison& comparison, double max_chance) {
     row["place"] = places.names[a.match.place];
     row["index"] = a.match.place;
     if (!places.stamps.empty()) row["place_stamp"] = places.stamps[a.match.place].ns();
-    row["found"] = a.chance <= max_chance;
-    row["chance"] = a.chance;
+    if (a.chance) {
+      row["found"] = *a.chance <= max_chance;
+      row["chance"] = *a.chance;
+    }
     row["score"] = a.match.score;
     row["margin"] = a.match.margin;
     if (a.match.runner_up != a.match.place) row["runner_up"] = places.names[a.match.runner_up];
@@ -47,9 +49,10 @@ std::string answers_csv(const Comparison& comparison) {
   std::string out = "query,place,chance,score,margin,runner_up\n";
   for (size_t i = 0; i < comparison.answers.size(); ++i) {
     const PlaceAnswer& a = comparison.answers[i];
-    out += fmt::format("{},{},{:.4f},{:.3f},{:.3f},{}\n", comparison.queries.names[i],
-                       places.names[a.match.place], a.chance, a.match.score, a.match.margin,
-                       places.names[a.match.runner_up]);
+    out +=
+        fmt::format("{},{},{},{:.3f},{:.3f},{}\n", comparison.queries.names[i],
+                    places.names[a.match.place], a.chance ? fmt::format("{:.4f}", *a.chance) : "",
+                    a.match.score, a.match.margin, places.names[a.match.runner_up]);
   }
   return out;
 }
@@ -60,7 +63,7 @@ int run_places(const PlacesArguments& arguments) {
   if (!comparison) return print_error(kPlacesProgram, comparison.error(), kUnreadable);
   size_t found = 0;
   for (const PlaceAnswer& a : comparison->answers)
-    found += a.chance <= arguments.max_chance ? 1 : 0;
+    found += a.chance && *a.chance <= arguments.max_chance ? 1 : 0;
   if (!arguments.output.empty()) {
     const auto written = text::write_text(arguments.output, answers_csv(*comparison));
     if (!written) return print_error(kPlacesProgram, written.error(), kFailure);
@@ -76,14 +79,18 @@ int run_places(const PlacesArguments& arguments) {
                        {"found", found},
                        {"answers", answers_json(*comparison, arguments.max_chance)}})
               << "\n";
+  } else if (request.sequence == "none") {
+    std::cout << fmt::format(
+        "{} queries sought among {} places, each by itself: without their order it cannot be told "
+        "which are found by chance\n",
+        queries, places);
   } else {
     std::cout << fmt::format("{} queries sought among {} places by sequences of {}: {} found\n",
-                             queries, places, request.sequence == "none" ? 1 : request.length,
-                             found);
-    if (request.sequence != "none" && queries < 2 * request.length)
+                             queries, places, request.length, found);
+    if (queries < 2 * request.length)
       std::cout << "too few queries to exclude chance: twice --length are needed\n";
   }
-  return found > 0 ? kDone : kFailure;
+  return found > 0 || request.sequence == "none" ? kDone : kFailure;
 }
 
 }  // namespace

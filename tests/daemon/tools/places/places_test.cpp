@@ -119,6 +119,15 @@ INSTANTIATE_TEST_SUITE_P(All, PlacesMethods,
                          testing::Values("--method correlation", "--method words",
                                          "--sequence mutual", "--sequence directed"));
 
+TEST_F(PlacesTest, StatesNoChanceOfSingleImages) {
+  const std::string map = write_images("map", 1, 0, kImages, false);
+  const ProgramResult result = places(map + " " + map + " --sequence none --json");
+  EXPECT_EQ(result.code, 0);
+  const Json answer = Json::parse(result.output)["answers"][7];
+  EXPECT_EQ(answer["index"], 7);
+  EXPECT_FALSE(answer.contains("chance"));
+}
+
 TEST_F(PlacesTest, DoesNotFindWhatIsNotThere) {
   const std::string map = write_images("map", 1, 0, kImages, false);
   const std::string elsewhere = write_images("elsewhere", 2, 10, 60, true);
