@@ -47,6 +47,8 @@ struct Metadata {
   std::string serial_number;
   std::string firmware;  ///< "v2.3.0"; empty if not stated
   Profile profile = Profile::kLegacy;
+  bool fusa_header = false;         ///< headers have the layout for functional safety
+  bool has_other_imu = false;       ///< inertial packets are of a profile that is not read
   uint16_t columns_per_turn = 0;    ///< 512, 1024, 2048 or 4096
   uint16_t columns_per_packet = 0;  ///< 16 unless configured
   ColumnWindow window;

@@ -398,7 +398,7 @@ int main(int argc, char** argv) {
   write_images(folder);
   write_sweep(folder);
   write_seed(folder / "saved_calibrations_fuzz" / "frozen",
-             daemon::format_calibrations({{.camera = "front", .frozen = true}}));
+             daemon::format_calibrations({.cameras = {{.camera = "front", .frozen = true}}}));
   write_copy(folder / "config_fuzz" / "demo", "fixtures/demo/infused.toml");
   write_copy(folder / "config_fuzz" / "example", "packaging/examples/infused.toml");
   write_copy(folder / "rig_toml_fuzz" / "tutorial", "docs/tutorials/rig.toml");

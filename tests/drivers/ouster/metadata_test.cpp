@@ -65,6 +65,21 @@ TEST(OusterMetadata, FillsInWhatOldFirmwareLeavesOut) {
   EXPECT_EQ(metadata->imu_port, 7503);
 }
 
+TEST(OusterMetadata, ReadsWhatNewFirmwareStatesOfPackets) {
+  const auto with = [](const std::string& profile, const std::string& more) {
+    std::string text = made_metadata({.profile = profile});
+    const std::string key = "\"udp_profile_lidar\"";
+    return parse(text.replace(text.find(key), key.size(), more + ", " + key));
+  };
+  EXPECT_TRUE(parse(made_metadata({.profile = "FUSA_RNG15_RFL8_NIR8_DUAL"}))->fusa_header);
+  EXPECT_FALSE(parse(made_metadata({.profile = "RNG15_RFL8_NIR8_DUAL"}))->fusa_header);
+  EXPECT_TRUE(with("RNG15_RFL8_NIR8_DUAL", R"("header_type": "FUSA")")->fusa_header);
+  EXPECT_FALSE(with("FUSA_RNG15_RFL8_NIR8_DUAL", R"("header_type": "STANDARD")")->fusa_header);
+  EXPECT_FALSE(with("RNG15_RFL8_WIN8", R"("udp_profile_imu": "LEGACY")")->has_other_imu);
+  EXPECT_TRUE(
+      with("RNG15_RFL8_WIN8", R"("udp_profile_imu": "ACCEL32_GYRO32_NMEA")")->has_other_imu);
+}
+
 TEST(OusterMetadata, CountsTheColumnsOfAWindowThatWraps) {
   const auto metadata = parse(made_metadata({.window = "[1000, 9]"}));
   ASSERT_TRUE(metadata);
