@@ -31,8 +31,10 @@ std::optional<Model> stated_model(std::span<const uint8_t> payload) {
   constexpr uint8_t kBpearlType = 3, kHeliosType = 6, kOlder16pType = 7;
   constexpr uint8_t k16pOfHelios = 3, kV4OfBpearl = 4;
   if (is_older_format(payload)) {
-    if (payload[kType] != kBpearlType) return std::nullopt;
-    return payload[kType + 1] == kV4OfBpearl ? Model::kBpearlV4 : Model::kBpearl;
+    const bool newer = payload[kType + 1] == kBpearlType;
+    if (newer && payload[kType + 2] == kV4OfBpearl) return Model::kBpearlV4;
+    const bool bpearl = payload[kType] == kBpearlType || (newer && payload[kType] == 0);
+    return bpearl ? std::optional(Model::kBpearl) : std::nullopt;
   }
   const size_t at = payload[kType] == 0 ? kType + 1 : kType;
   if (payload[at] == kOlder16pType) return Model::kHelios16p;

@@ -247,19 +247,19 @@ TEST(RobosenseMaker, InfersTheModelThatPacketsState) {
   EXPECT_EQ(infer(7, 0), &lidar_model(Model::kHelios16p));
   EXPECT_EQ(infer(0, 6), &lidar_model(Model::kHelios));  // newer firmware: one byte further
   EXPECT_EQ(infer(4, 0), nullptr);
-  const auto infer_older = [&](uint8_t type, uint8_t version) {
+  const auto infer_older = [&](uint32_t types) {
     auto packet = make_bpearl_packet(4, 1, 1, 700, azimuths);
-    packet[30] = type;
-    packet[31] = version;
+    put(packet, 30, types, 3);
     const auto inference = maker().make_inference();
     for (int i = 0; i < 20; ++i) inference->add(packet);
     return inference->judge();
   };
-  EXPECT_EQ(infer_older(3, 0), &lidar_model(Model::kBpearl));
-  EXPECT_EQ(infer_older(3, 4), &lidar_model(Model::kBpearlV4));
-  EXPECT_EQ(infer_older(1, 0), nullptr);  // RS-LiDAR-16: RoboSense's, but not known
+  EXPECT_EQ(infer_older(0x030000), &lidar_model(Model::kBpearl));
+  EXPECT_EQ(infer_older(0x000304), &lidar_model(Model::kBpearlV4));
+  EXPECT_EQ(infer_older(0x030304), &lidar_model(Model::kBpearlV4));
+  EXPECT_EQ(infer_older(0x010000), nullptr);  // RS-LiDAR-16: RoboSense's, but not known
   auto ruby = make_bpearl_packet(4, 1, 1, 700, azimuths);
-  ruby[30] = 4;
+  put(ruby, 30, 0x040000, 3);
   EXPECT_EQ(maker().classify(ruby), lidar::PacketClass::kData);
 }
 

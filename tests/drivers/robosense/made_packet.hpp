@@ -65,9 +65,9 @@ inline std::vector<uint8_t> make_data_packet(uint32_t number, uint64_t seconds,
 inline std::vector<uint8_t> make_bpearl_packet(int version, uint32_t number, uint64_t seconds,
                                                uint32_t microseconds,
                                                const std::vector<uint16_t>& azimuths) {
-  auto bytes = make_data_packet(number, seconds, microseconds, azimuths, 3,
-                                version == 4 ? uint8_t{4} : uint8_t{0});
+  auto bytes = make_data_packet(number, seconds, microseconds, azimuths, 0);
   put(bytes, 0, 0x55AA050A5AA550A0, 8);
+  put(bytes, 30, version == 4 ? 0x000304 : 0x030000, 3);
   bytes[17] = 0;
   if (version == 4) return bytes;
   const auto time = static_cast<time_t>(seconds);

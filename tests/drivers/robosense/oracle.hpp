@@ -43,7 +43,7 @@ inline int big_endian_16(std::span<const uint8_t> bytes, int at) {
 
 inline int64_t plain_time_ns(std::span<const uint8_t> bytes) {
   int64_t seconds = 0, microseconds = 0;
-  if (bytes[3] == 0x0A && bytes[31] != 4) {  // RS-Bpearl, version 3: a date
+  if (bytes[3] == 0x0A && bytes[32] != 4) {  // RS-Bpearl, version 3: a date
     tm date{};
     date.tm_year = bytes[20] + 100;
     date.tm_mon = bytes[21] - 1;
