@@ -300,6 +300,7 @@ Result<Metadata> parse_metadata(std::string_view text, const std::string& where)
   if (!root.is_object()) return fail("is no JSON object", where, kExpected);
   MetadataReader reader(root, where);
   Metadata metadata;
+  metadata.text = text;
   metadata.product_line = reader.text("sensor_info", "prod_line");
   metadata.serial_number = reader.text("sensor_info", "prod_sn");
   metadata.firmware = reader.text("sensor_info", "build_rev");

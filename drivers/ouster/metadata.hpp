@@ -43,6 +43,7 @@ struct ColumnWindow {
 /// A sensor's description of itself, without which its packets cannot be read: as it gives it at
 /// `GET /api/v1/sensor/metadata`, and as recorders store it beside a capture.
 struct Metadata {
+  std::string text;          ///< the JSON itself
   std::string product_line;  ///< "OS-1-64"; empty if not stated
   std::string serial_number;
   std::string firmware;  ///< "v2.3.0"; empty if not stated

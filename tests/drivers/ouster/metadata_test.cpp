@@ -49,6 +49,7 @@ TEST(OusterMetadata, ReadsBothLayoutsAlike) {
 
 TEST(OusterMetadata, FillsInWhatOldFirmwareLeavesOut) {
   const auto metadata = parse(R"({"prod_line": "OS-1-16-A0", "lidar_mode": "2048x10",
+    "lidar_data_format": "error: Command not recognized.",
     "beam_altitude_angles": [7, 5, 3, 1, -1, -3, -5, -7],
     "beam_azimuth_angles": [1, 1, 1, 1, 1, 1, 1, 1]})");
   ASSERT_TRUE(metadata) << metadata.error().message();
