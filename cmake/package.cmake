@@ -93,7 +93,7 @@ set(CPACK_PACKAGE_CONTACT "The infuse authors <infuse@localhost.localdomain>")
 set(CPACK_PACKAGE_VENDOR infuse)
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "on-vehicle fusion of lidar, cameras and odometry")
 set(CPACK_DEBIAN_PACKAGE_DESCRIPTION
-  "infused takes the raw streams of Velodyne lidars, cameras and the vehicle's
+  "infused takes the raw streams of lidars, cameras and the vehicle's
 CAN bus, keeps them on one clock, monitors their health and calibration, and
 publishes reports over a socket. The command that queries and controls it is
 in infuse.")

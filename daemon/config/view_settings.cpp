@@ -33,7 +33,9 @@ std::optional<std::string> ViewSettings::invalid() const {
       return "allowed_origins must begin with http:// or https://";
     }
   }
-  if (max_clients == 0 || max_clients > kMaxViewClients) return "max_clients must lie in 1 … 64";
+  if (max_clients == 0 || max_clients > kMaxViewClients) {
+    return "max_clients must be between 1 and 64";
+  }
   return std::nullopt;
 }
 

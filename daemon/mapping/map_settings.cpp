@@ -4,7 +4,7 @@ namespace infuse::daemon {
 
 std::optional<std::string> MapSettings::invalid() const {
   for (const double share : {max_unmeasured, max_unregistered}) {
-    if (!(share >= 0 && share <= 1)) return "shares of sweeps must lie in 0 … 1";
+    if (!(share >= 0 && share <= 1)) return "shares of sweeps must be between 0 and 1";
   }
   if (auto wrong = keyframes.invalid()) return wrong;
   if (auto wrong = submaps.invalid()) return wrong;

@@ -88,12 +88,12 @@ v4l2_buffer make_buffer(uint32_t index) {
 std::optional<std::string> V4l2Options::invalid() const {
   if (device.empty() || device.front() != '/') return "'" + device + "' is not a device path";
   if (width < 0 || height < 0 || width > 16384 || height > 16384) {
-    return "width and height must lie in 0 ... 16384";
+    return "width and height must be between 0 and 16384";
   }
   if ((width == 0) != (height == 0)) return "give both width and height, or neither";
-  if (!(rate_hz >= 0 && rate_hz <= 1000)) return "rate_hz must lie in 0 ... 1000";
+  if (!(rate_hz >= 0 && rate_hz <= 1000)) return "rate_hz must be between 0 and 1000";
   if (exposure && (exposure->count() <= 0 || exposure->count() > 10'000'000'000)) {
-    return "the exposure must lie in 0 ... 10 s";
+    return "the exposure must be between 0 and 10 s";
   }
   return std::nullopt;
 }

@@ -181,7 +181,7 @@ std::optional<std::string> StampRule::invalid() const {
   if (ways != 1) return "stamps: give one of file, names and rate_hz";
   if (!unit_digits().contains(unit)) return "stamps: unit must be \"s\", \"ms\", \"us\" or \"ns\"";
   if (rate_hz && !(*rate_hz >= 0.001 && *rate_hz <= 10'000))
-    return "stamps: rate_hz must be 0.001 ... 10000";
+    return "stamps: rate_hz must be between 0.001 and 10000";
   if (!rate_hz && start) return "stamps: start belongs to rate_hz";
   if (file.empty() && !(column.empty() && files_column.empty()))
     return "stamps: column and files_column belong to file";

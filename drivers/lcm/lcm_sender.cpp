@@ -30,11 +30,11 @@ void append(std::vector<uint8_t>& bytes, Number value) {
 std::optional<std::string> SenderOptions::invalid() const {
   in_addr address{};
   if (inet_pton(AF_INET, group.c_str(), &address) != 1 || !IN_MULTICAST(ntohl(address.s_addr)))
-    return "group must be an IPv4 multicast address, 224.0.0.0 ... 239.255.255.255";
+    return "group must be an IPv4 multicast address between 224.0.0.0 and 239.255.255.255";
   if (!interface.empty() && inet_pton(AF_INET, interface.c_str(), &address) != 1)
     return "interface must be an IPv4 address of this host";
-  if (port == 0) return "port must be 1 ... 65535";
-  if (ttl < 0 || ttl > 255) return "ttl must be 0 ... 255";
+  if (port == 0) return "port must be between 1 and 65535";
+  if (ttl < 0 || ttl > 255) return "ttl must be between 0 and 255";
   return std::nullopt;
 }
 

@@ -21,7 +21,7 @@ uint32_t crc_after(uint32_t crc, std::span<const uint8_t> bytes) {
 std::optional<std::string> WriterOptions::invalid() const {
   if (chunk_span <= Duration::zero()) return "chunk_span must be positive";
   if (chunk_bytes == 0 || chunk_bytes > kMaxChunkBytes / 2)
-    return "chunk_bytes must be 1 ... 134217728";
+    return "chunk_bytes must be between 1 and 134217728";
   return std::nullopt;
 }
 

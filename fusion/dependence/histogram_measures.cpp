@@ -5,6 +5,8 @@
 #include <cmath>
 #include <span>
 
+#include "fusion/dependence/count_entropy.hpp"
+
 namespace infuse::dependence {
 namespace {
 
@@ -26,13 +28,6 @@ Marginals sum_marginals(std::span<const double> table, size_t bins_x, size_t bin
 
 bool is_entropy_measure(Measure which) {
   return which != Measure::kChiSquared && which != Measure::kSquaredLossMutualInformation;
-}
-
-/// −Σ p ln p.
-double plug_in_entropy(std::span<const double> frequencies) {
-  double h = 0;
-  for (const double p : frequencies) h += p > 0 ? -p * std::log(p) : 0;
-  return h;
 }
 
 }  // namespace

@@ -27,9 +27,13 @@ std::optional<std::string> GyroAxesOptions::invalid() const {
   if (memory <= Duration(0)) return "memory must be above 0 s";
   if (!(min_intervals >= 3)) return "min_intervals must be at least 3";
   if (!(min_lead > 0)) return "min_lead must be above 0";
-  if (!(max_unexplained > 0 && max_unexplained < 1)) return "max_unexplained must be in 0 ... 1";
-  if (!(max_scale_error > 0 && max_scale_error < 1)) return "max_scale_error must be in 0 ... 1";
-  if (!(max_missing >= 0 && max_missing < 1)) return "max_missing must be in 0 ... 1";
+  if (!(max_unexplained > 0 && max_unexplained < 1)) {
+    return "max_unexplained must be between 0 and 1";
+  }
+  if (!(max_scale_error > 0 && max_scale_error < 1)) {
+    return "max_scale_error must be between 0 and 1";
+  }
+  if (!(max_missing >= 0 && max_missing < 1)) return "max_missing must be between 0 and 1";
   return std::nullopt;
 }
 

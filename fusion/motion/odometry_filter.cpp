@@ -23,8 +23,9 @@ bool measures_speed(const WheelOdometry& sample) {
   return any_finite(sample.wheel_speed) || std::isfinite(sample.speed);
 }
 
-/// Errors of a receiver's speed are correlated: what it states seldom is known as well as the mean
-/// of what it would state often, down to the noise of one fix. Interval in s.
+/// Errors of a GNSS receiver's speed are correlated, so that samples at a high rate add little: one
+/// sample at a low rate counts as the mean of those at a high rate, down to half the noise of a
+/// fix. Interval in s.
 double gnss_speed_noise(const OdometryOptions& options, double interval) {
   constexpr double kStatedInterval = 0.1, kLeast = 0.5;  // s; part of the stated noise
   if (interval <= kStatedInterval) return options.gnss_speed_noise;
@@ -399,10 +400,11 @@ const char* OdometryFilter::reason() const {
   if (now_ == Stamp::earliest()) return "no sample received yet";
   const bool lidar = sources_.carries(OdometrySource::kLidar, now_);
   if (!sources_.speed_known(now_)) {
-    return lidar ? "no source of speed: nothing around the lidar shows it" : "no source of speed";
+    return lidar ? "no source of speed: the lidar's surroundings do not determine it"
+                 : "no source of speed";
   }
   if (!sources_.rotation_known(now_)) {
-    return lidar ? "no source of rotation: nothing around the lidar shows it"
+    return lidar ? "no source of rotation: the lidar's surroundings do not determine it"
                  : "no source of rotation";
   }
   return "";

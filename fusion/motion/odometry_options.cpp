@@ -7,7 +7,7 @@ std::optional<std::string> OdometryOptions::invalid() const {
     return "wheelbase and track must be positive, and less than 30 and 10 m";
   }
   if (!(steering_ratio >= 0 && steering_ratio < 1000))
-    return "steering_ratio must lie in 0 ... 1000";
+    return "steering_ratio must be between 0 and 1000";
   if (!(characteristic_speed > 0)) return "characteristic_speed must be positive";
   if (!(wheel_scale > 0.5 && wheel_scale < 2)) return "wheel_scale must be near 1";
   if (reorder < Duration::zero() || pose_interval < Duration::zero()) {

@@ -62,6 +62,32 @@ ImageDescriptor describe_image(std::span<const uint8_t> pixels, int width, int h
   return out;
 }
 
+ImageDescriptor describe_contrast(std::span<const uint8_t> pixels, int width, int height,
+                                  int window) {
+  ImageDescriptor out{.rows = height, .columns = width, .orientations = 1, .values = {}};
+  for (int row = 0; row < height; ++row) {
+    for (int column = 0; column < width; ++column) {
+      const int top = std::max(0, row - window / 2), left = std::max(0, column - window / 2);
+      const int bottom = std::min(height, row + window / 2 + 1);
+      const int right = std::min(width, column + window / 2 + 1);
+      const auto count = static_cast<float>((bottom - top) * (right - left));
+      float sum = 0, square = 0;
+      for (int i = top; i < bottom; ++i) {
+        for (int j = left; j < right; ++j) {
+          const auto value = static_cast<float>(pixels[static_cast<size_t>(i * width + j)]);
+          sum += value;
+          square += value * value;
+        }
+      }
+      const float mean = sum / count;
+      const float variance = std::max(0.0F, square / count - mean * mean);
+      const auto own = static_cast<float>(pixels[static_cast<size_t>(row * width + column)]);
+      out.values.push_back((own - mean) / std::sqrt(variance + 1));  // a grey value of noise
+    }
+  }
+  return out;
+}
+
 void remove_common_view(std::vector<ImageDescriptor>& drive) {
   if (drive.empty()) return;
   std::vector<float> mean(drive[0].values.size(), 0);

@@ -31,6 +31,12 @@ struct ImageDescriptor {
 ImageDescriptor describe_image(std::span<const uint8_t> pixels, int width, int height,
                                const ImageDescriptorOptions& options = {});
 
+/// Describes a grey image by its local contrast instead: grey values minus the mean of the
+/// `window` × `window` pixels about each, in standard deviations of these; one number a pixel. The
+/// plain baseline (SeqSLAM, Milford and Wyeth 2012).
+ImageDescriptor describe_contrast(std::span<const uint8_t> pixels, int width, int height,
+                                  int window = 9);
+
 /// Subtracts the mean of the images of a drive from each of them, so that what is always in view
 /// (rails, bonnet, sky) does not count, and scales them to unit length. All are of one size.
 void remove_common_view(std::vector<ImageDescriptor>& drive);

@@ -25,6 +25,15 @@ MatchEvidence::Chance chance_of(const std::vector<double>& values, double sequen
   return out;
 }
 
+SimilarityTable in_reverse(const SimilarityTable& similarity) {
+  SimilarityTable out{similarity.queries, similarity.places, {}};
+  out.values.reserve(similarity.values.size());
+  for (size_t i = similarity.queries; i-- > 0;) {
+    for (size_t j = 0; j < similarity.places; ++j) out.values.push_back(similarity.at(i, j));
+  }
+  return out;
+}
+
 }  // namespace
 
 double MatchEvidence::Chance::exceeded(double value) const {
@@ -34,20 +43,17 @@ double MatchEvidence::Chance::exceeded(double value) const {
   return -std::expm1(-std::exp(-(z + std::numbers::egamma)));
 }
 
-MatchEvidence::MatchEvidence(const SimilarityTable& similarity,
-                             const SequenceMatchOptions& options) {
-  SimilarityTable reversed{similarity.queries, similarity.places, {}};
-  reversed.values.reserve(similarity.values.size());
-  for (size_t i = similarity.queries; i-- > 0;) {
-    for (size_t j = 0; j < similarity.places; ++j) reversed.values.push_back(similarity.at(i, j));
-  }
+MatchEvidence::MatchEvidence(const SimilarityTable& similarity, const SequenceMatchOptions& options)
+    : MatchEvidence(match_sequences(in_reverse(similarity), options), options.length) {}
+
+MatchEvidence::MatchEvidence(const std::vector<SequenceMatch>& by_chance, size_t length) {
   std::vector<double> scores, margins;
-  for (const SequenceMatch& match : match_sequences(reversed, options)) {
+  for (const SequenceMatch& match : by_chance) {
     if (!std::isfinite(match.score) || !std::isfinite(match.margin)) continue;
     scores.push_back(match.score);
     margins.push_back(match.margin);
   }
-  const double sequences = static_cast<double>(scores.size()) / static_cast<double>(options.length);
+  const double sequences = static_cast<double>(scores.size()) / static_cast<double>(length);
   score_ = chance_of(scores, sequences);
   margin_ = chance_of(margins, sequences);
 }

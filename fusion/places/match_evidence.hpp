@@ -11,6 +11,9 @@ class MatchEvidence {
   /// `similarity` and `options` as for `match_sequences`.
   MatchEvidence(const SimilarityTable& similarity, const SequenceMatchOptions& options);
 
+  /// `by_chance` are the matches of the images in reverse order, by sequences of `length`.
+  MatchEvidence(const std::vector<SequenceMatch>& by_chance, size_t length);
+
   /// Probability that a match scores as high, or leads by as much, by chance, the larger of the
   /// two: tails of Gumbel distributions (the greatest of many paths) with the mean and spread of
   /// the chance matches. Neighbouring sequences share images: the spread is that of so many as do

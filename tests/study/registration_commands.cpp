@@ -7,7 +7,7 @@
 #include "tests/study/registration/covariance_study.hpp"
 #include "tests/study/registration/global_guess_study.hpp"
 #include "tests/study/registration/information_study.hpp"
-#include "tests/study/registration/k_means.hpp"
+#include "fusion/registration/visual/k_means.hpp"
 #include "tests/study/registration/learn_codebook.hpp"
 #include "tests/study/registration/recorded_scans.hpp"
 #include "tests/study/study_commands.hpp"

@@ -1,76 +1,19 @@
 #include "daemon/tools/align/align_scan.hpp"
 
-#include <algorithm>
 #include <optional>
 
 #include "daemon/pipeline/odometry_plan.hpp"
+#include "daemon/playback/camera_images.hpp"
 #include "daemon/playback/deskewed_sweeps.hpp"
 #include "daemon/playback/find_lidar.hpp"
 #include "daemon/playback/play_lidar.hpp"
-#include "daemon/playback/read_image.hpp"
 #include "daemon/setup/drive_setup.hpp"
 #include "drivers/recording/sweep_export.hpp"
 #include "drivers/recording/sweep_files.hpp"
-#include "drivers/recording/times_csv.hpp"
 #include "drivers/text/numbers.hpp"
 
 namespace infuse::daemon {
 namespace {
-
-constexpr Duration kMaxGap{50'000'000};  // from a sweep's middle to an exposure
-
-/// Images of one camera.
-struct CameraImages {
-  size_t camera;  // index in the rig
-  std::vector<recording::SequenceEntry> entries;
-
-  /// The image whose exposure is nearest.
-  const recording::SequenceEntry& nearest(Stamp time) const {
-    return *std::min_element(entries.begin(), entries.end(), [&](const auto& a, const auto& b) {
-      return distance_between(a.stamp, time) < distance_between(b.stamp, time);
-    });
-  }
-};
-
-/// Lists the images of the cameras of a lidar; at least one of each.
-Result<std::vector<CameraImages>> list_images(const std::string& path, const std::string& lidar) {
-  const auto drive = recording::Drive::open(path);
-  if (!drive) return tl::unexpected(drive.error());
-  const recording::DriveDescription& description = drive->description;
-  std::vector<CameraImages> out;
-  for (size_t camera = 0; camera < description.rig.cameras.size(); ++camera) {
-    const CameraMount& mount = description.rig.cameras[camera];
-    if (mount.lidar != lidar) continue;
-    auto files = recording::index_images(drive->resolve(description.cameras[camera].images),
-                                         mount.stamp_delay);
-    if (!files) return tl::unexpected(files.error());
-    if (files->entries.empty()) return fail("camera '" + mount.name + "' has no images", path);
-    out.push_back({camera, std::move(files->entries)});
-  }
-  if (out.empty()) {
-    return fail("there is no camera for lidar '" + lidar + "'", path,
-                "choose a method that needs no images");
-  }
-  return out;
-}
-
-/// Adds the image of each camera that is nearest to the time.
-Result<void> read_images(const std::vector<CameraImages>& cameras, const SensorSetup& setup,
-                         Stamp time, AlignScan& out) {
-  for (const CameraImages& images : cameras) {
-    const CameraMount& mount = setup.rig.cameras[images.camera];
-    const recording::SequenceEntry& image = images.nearest(time);
-    if (distance_between(image.stamp, time) > kMaxGap) {
-      return fail("camera '" + mount.name + "' has no image within 50 ms of the sweep",
-                  setup.path.string(), "choose another sweep");
-    }
-    auto frame = read_scene_image(image.path, setup.cameras[images.camera].image);
-    if (!frame) return tl::unexpected(frame.error());
-    out.cameras.push_back(mount);
-    out.images.push_back(std::move(*frame));
-  }
-  return {};
-}
 
 Result<AlignScan> read_from_drive(const std::string& path, uint64_t index, const std::string& name,
                                   bool with_images) {
@@ -80,7 +23,7 @@ Result<AlignScan> read_from_drive(const std::string& path, uint64_t index, const
   if (!lidar) return tl::unexpected(lidar.error());
   std::vector<CameraImages> images;
   if (with_images) {
-    auto listed = list_images(path, setup->rig.lidars[*lidar].name);
+    auto listed = list_camera_images(path, setup->rig.lidars[*lidar].name);
     if (!listed) return tl::unexpected(listed.error());
     images = std::move(*listed);
   }
@@ -91,7 +34,7 @@ Result<AlignScan> read_from_drive(const std::string& path, uint64_t index, const
     reference = sweep.stamp + sweep.span / 2;
     if (!images.empty()) {
       const Stamp exposure = images.front().nearest(reference).stamp;
-      if (distance_between(exposure, reference) <= kMaxGap) reference = exposure;
+      if (distance_between(exposure, reference) <= kMaxImageGap) reference = exposure;
     }
     return reference;
   };
@@ -120,9 +63,10 @@ Result<AlignScan> read_from_drive(const std::string& path, uint64_t index, const
   if (!found) {
     return fail("has no sweep " + std::to_string(index), path, "infuse inspect lists them");
   }
-  if (auto read = read_images(images, *setup, reference, *found); !read) {
-    return tl::unexpected(read.error());
-  }
+  auto read = read_nearest_images(images, *setup, reference);
+  if (!read) return tl::unexpected(read.error());
+  found->cameras = std::move(read->cameras);
+  found->images = std::move(read->images);
   return std::move(*found);
 }
 

@@ -62,11 +62,11 @@ calibration::KnownParameters known_parameters(const CalibrateArguments& argument
 
 std::optional<std::string> find_usage_error(const CalibrateArguments& arguments) {
   if (arguments.request.max_scenes < 1 || arguments.request.max_scenes > 1000) {
-    return "--scenes must lie in 1 ... 1000";
+    return "--scenes must be between 1 and 1000";
   }
   if (!(arguments.within_deg >= 0 && arguments.within_deg <= kMaxScreenedDeg) &&
       arguments.within_deg != kAnyHeadingDeg) {
-    return "--within must lie in 0 ... 45, or be 180";
+    return "--within must be between 0 and 45, or be 180";
   }
   if (!(arguments.perturb[0] >= 0 && arguments.perturb[0] <= 45 && arguments.perturb[1] >= 0 &&
         arguments.perturb[1] <= 10)) {

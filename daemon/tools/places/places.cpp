@@ -7,54 +7,28 @@
 
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/protocol/json.hpp"
-#include "daemon/tools/places/image_drive.hpp"
+#include "daemon/tools/places/comparison.hpp"
 #include "drivers/text/text_file.hpp"
-#include "fusion/places/match_evidence.hpp"
 
 namespace infuse::daemon {
 namespace {
 
 constexpr const char* kPlacesProgram = "infuse places";
-constexpr size_t kMaxSimilarities = 400'000'000;  // 1.6 GB
 
 struct PlacesArguments {
-  std::string places, queries, camera, output;
-  size_t length = 21;
+  ComparisonRequest request;
+  std::string output;
   double max_chance = 0.02;
   bool json = false;
 };
 
-/// The answer to one query.
-struct ImageAnswer {
-  places::SequenceMatch match;
-  double chance = 1;  ///< probability that the match is one by chance
-};
-
-std::vector<ImageAnswer> match_images(const ImageDrive& places, const ImageDrive& queries,
-                                      size_t length) {
-  places::SimilarityTable table{queries.descriptors.size(), places.descriptors.size(), {}};
-  table.values.reserve(table.queries * table.places);
-  for (const auto& query : queries.descriptors) {
-    for (const auto& place : places.descriptors) {
-      table.values.push_back(static_cast<float>(places::similarity(query, place)));
-    }
-  }
-  const places::SequenceMatchOptions options{.length = length};
-  const places::MatchEvidence evidence(table, options);
-  std::vector<ImageAnswer> out;
-  for (const auto& match : places::match_sequences(table, options)) {
-    out.push_back({match, evidence.chance(match)});
-  }
-  return out;
-}
-
-Json answers_json(const ImageDrive& places, const ImageDrive& queries,
-                  const std::vector<ImageAnswer>& answers, double max_chance) {
+Json answers_json(const Comparison& comparison, double max_chance) {
+  const PlaceList& places = comparison.places;
   Json out = Json::array();
-  for (size_t i = 0; i < answers.size(); ++i) {
-    const ImageAnswer& a = answers[i];
-    Json row = {{"query", queries.names[i]}};
-    if (!queries.stamps.empty()) row["stamp"] = queries.stamps[i].ns();
+  for (size_t i = 0; i < comparison.answers.size(); ++i) {
+    const PlaceAnswer& a = comparison.answers[i];
+    Json row = {{"query", comparison.queries.names[i]}};
+    if (!comparison.queries.stamps.empty()) row["stamp"] = comparison.queries.stamps[i].ns();
     row["place"] = places.names[a.match.place];
     row["index"] = a.match.place;
     if (!places.stamps.empty()) row["place_stamp"] = places.stamps[a.match.place].ns();
@@ -68,12 +42,12 @@ Json answers_json(const ImageDrive& places, const ImageDrive& queries,
   return out;
 }
 
-std::string answers_csv(const ImageDrive& places, const ImageDrive& queries,
-                        const std::vector<ImageAnswer>& answers) {
+std::string answers_csv(const Comparison& comparison) {
+  const PlaceList& places = comparison.places;
   std::string out = "query,place,chance,score,margin,runner_up\n";
-  for (size_t i = 0; i < answers.size(); ++i) {
-    const ImageAnswer& a = answers[i];
-    out += fmt::format("{},{},{:.4f},{:.3f},{:.3f},{}\n", queries.names[i],
+  for (size_t i = 0; i < comparison.answers.size(); ++i) {
+    const PlaceAnswer& a = comparison.answers[i];
+    out += fmt::format("{},{},{:.4f},{:.3f},{:.3f},{}\n", comparison.queries.names[i],
                        places.names[a.match.place], a.chance, a.match.score, a.match.margin,
                        places.names[a.match.runner_up]);
   }
@@ -81,37 +55,33 @@ std::string answers_csv(const ImageDrive& places, const ImageDrive& queries,
 }
 
 int run_places(const PlacesArguments& arguments) {
-  const auto places = read_image_drive(arguments.places, arguments.camera);
-  if (!places) return print_error(kPlacesProgram, places.error(), kUnreadable);
-  const auto queries = read_image_drive(arguments.queries, arguments.camera, places->aspect);
-  if (!queries) return print_error(kPlacesProgram, queries.error(), kUnreadable);
-  if (places->names.size() > kMaxSimilarities / queries->names.size()) {
-    return print_error(kPlacesProgram,
-                       {"too many pairs of images", arguments.queries,
-                        fmt::format("at most {} million", kMaxSimilarities / 1'000'000)},
-                       kUnreadable);
-  }
-  const auto answers = match_images(*places, *queries, arguments.length);
+  const ComparisonRequest& request = arguments.request;
+  const auto comparison = compare_drives(request);
+  if (!comparison) return print_error(kPlacesProgram, comparison.error(), kUnreadable);
   size_t found = 0;
-  for (const ImageAnswer& a : answers) found += a.chance <= arguments.max_chance ? 1 : 0;
+  for (const PlaceAnswer& a : comparison->answers)
+    found += a.chance <= arguments.max_chance ? 1 : 0;
   if (!arguments.output.empty()) {
-    const auto written =
-        text::write_text(arguments.output, answers_csv(*places, *queries, answers));
+    const auto written = text::write_text(arguments.output, answers_csv(*comparison));
     if (!written) return print_error(kPlacesProgram, written.error(), kFailure);
   }
+  const size_t queries = comparison->queries.names.size();
+  const size_t places = comparison->places.names.size();
   if (arguments.json) {
-    std::cout << json_text(
-                     {{"queries", queries->names.size()},
-                      {"places", places->names.size()},
-                      {"length", arguments.length},
-                      {"found", found},
-                      {"answers", answers_json(*places, *queries, answers, arguments.max_chance)}})
+    std::cout << Json({{"queries", queries},
+                       {"places", places},
+                       {"method", request.method},
+                       {"sequence", request.sequence},
+                       {"length", request.length},
+                       {"found", found},
+                       {"answers", answers_json(*comparison, arguments.max_chance)}})
               << "\n";
   } else {
-    std::cout << fmt::format("{} images sought among {} places by sequences of {}: {} found\n",
-                             queries->names.size(), places->names.size(), arguments.length, found);
-    if (queries->names.size() < 2 * arguments.length)
-      std::cout << "too few images to exclude chance: twice --length are needed\n";
+    std::cout << fmt::format("{} queries sought among {} places by sequences of {}: {} found\n",
+                             queries, places, request.sequence == "none" ? 1 : request.length,
+                             found);
+    if (request.sequence != "none" && queries < 2 * request.length)
+      std::cout << "too few queries to exclude chance: twice --length are needed\n";
   }
   return found > 0 ? kDone : kFailure;
 }
@@ -121,19 +91,34 @@ int run_places(const PlacesArguments& arguments) {
 Command declare_places(CLI::App& infuse) {
   CLI::App* app = add_tool(infuse, *find_tool("places"));
   const auto arguments = std::make_shared<PlacesArguments>();
-  app->add_option("PLACES", arguments->places,
-                  "a drive folder with a camera, or a folder of images in order of their names")
+  app->add_option("PLACES", arguments->request.places,
+                  "a drive, or a folder of images in order of their names")
       ->required();
-  app->add_option("QUERIES", arguments->queries,
-                  "the same: images that were taken in the same direction")
+  app->add_option("QUERIES", arguments->request.queries,
+                  "the same: images that were taken in the same direction, or sweeps")
       ->required();
-  app->add_option("--camera", arguments->camera, "camera, if there are several")->type_name("NAME");
-  app->add_option("--length", arguments->length,
-                  "images of the query that are matched together (default: 21)")
+  app->add_option("--camera", arguments->request.camera, "camera, if there are several")
+      ->type_name("NAME");
+  app->add_option("--lidar", arguments->request.lidar, "lidar, if there are several")
+      ->type_name("NAME");
+  app->add_option("--method", arguments->request.method,
+                  "what is compared: edges (default), correlation or words of images; shape of "
+                  "sweeps; total-mi of sweeps, with images if there are any")
+      ->check(CLI::IsMember(comparison_methods()));
+  app->add_option("--sequence", arguments->request.sequence,
+                  "how sequences are compared: none; match (default); by the mutual or directed "
+                  "information of codewords of the edges")
+      ->check(CLI::IsMember(sequence_methods()));
+  app->add_option("--every", arguments->request.every,
+                  "sweeps from one place to the next (default: 5)")
+      ->check(CLI::Range(1, 10'000))
+      ->type_name("N");
+  app->add_option("--length", arguments->request.length,
+                  "places of the query that are matched together (default: 21)")
       ->check(CLI::Range(1, 1000))
       ->type_name("N");
   app->add_option("--max-chance", arguments->max_chance,
-                  "an image counts as found if so good a match is no more probable than this by "
+                  "a place counts as found if so good a match is no more probable than this by "
                   "chance (default: 0.02)")
       ->check(CLI::Range(0.0001, 1.0))
       ->type_name("P");
@@ -141,7 +126,8 @@ Command declare_places(CLI::App& infuse) {
       ->type_name("FILE.csv");
   app->add_flag("--json", arguments->json, "print summary and answers as one JSON object");
   set_examples(*app, {"infuse places summer/ winter/ -o found.csv",
-                      "infuse places images_monday/ images_tuesday/ --length 9 --json"});
+                      "infuse places images_monday/ images_tuesday/ --length 9 --json",
+                      "infuse places summer/ winter/ --method total-mi --sequence none"});
   return {app, [=] { return run_places(*arguments); }};
 }
 

@@ -2,24 +2,10 @@
 
 #include <opencv2/features2d.hpp>
 
-#include "fusion/features/plane.hpp"
+#include "fusion/registration/visual/grey_matrix.hpp"
 #include "fusion/registration/visual/visible_returns.hpp"
 
 namespace infuse::registration {
-namespace {
-
-cv::Mat to_matrix(const CameraFrame& frame) {
-  const features::Plane grey = features::grey_plane(frame);
-  cv::Mat image(grey.height, grey.width, CV_8U);
-  for (int row = 0; row < grey.height; ++row) {
-    std::transform(grey.row(row), grey.row(row) + grey.width, image.ptr<uint8_t>(row),
-                   [](float level) { return static_cast<uint8_t>(level); });
-  }
-  return image;
-}
-
-}  // namespace
-
 Result<SiftReturns> find_sift_returns(const CameraLidarScan& scan, double radius) {
   SiftReturns found;
   std::vector<cv::Mat> descriptors;
@@ -34,7 +20,7 @@ Result<SiftReturns> find_sift_returns(const CameraLidarScan& scan, double radius
       return fail("image of camera " + camera.name + " is not of the size in its intrinsics");
     }
     const VisibleReturns visible(scan.sweep.points, camera);
-    const cv::Mat image = to_matrix(frame);
+    const cv::Mat image = grey_matrix(frame);
     std::vector<cv::KeyPoint> keypoints, tied;
     sift->detect(image, keypoints);
     for (const cv::KeyPoint& keypoint : keypoints) {

@@ -93,7 +93,7 @@ TEST(Config, ErrorsNameTheLineAndTheProblem) {
       {"[socket]\npath = 3", "x.toml:2: path must be a string in quotes"},
       {"[socket]\nmax_clients = 1.5", "x.toml:2: max_clients must be an integer"},
       {"[socket]\ntcp_port = 65536", "tcp_port must be an integer from 0 to 65535"},
-      {"[socket]\nmax_clients = 0", "x.toml:1: socket: max_clients must lie in"},
+      {"[socket]\nmax_clients = 0", "x.toml:1: socket: max_clients must be between"},
       {"[health]\nwarn_loss = \"1\"", "x.toml:2: warn_loss must be a number"},
       {"[health]\nwarn_loss = nan", "warn_loss must be a finite number"},
       {"socket = 1", "socket must be a table"},

@@ -39,7 +39,7 @@ class MetricNames {
   }
   template <class T>
   void field(const char*, const std::vector<T>&, const char* = "", const Metric& = {}) {
-    if constexpr (requires { describe(*this, T()); }) describe(*this, T());
+    if constexpr (requires(const T& item) { item.latency; }) describe(*this, T());
   }
 
   Names names;

@@ -79,7 +79,7 @@ class MissingMetrics {
   }
   template <class T>
   void field(const char*, const std::vector<T>&, const char* = "", const Metric& = {}) {
-    if constexpr (requires { describe(*this, T()); }) describe(*this, T());
+    if constexpr (requires(const T& item) { item.latency; }) describe(*this, T());
   }
 
   size_t numbers = 0;

@@ -416,7 +416,9 @@ TEST(RelativePose, SaysThatALidarInATunnelShowsNoSpeed) {
     const RelativePose pose = sensors.lidar(t - kSweep, t, tunnel);
     add_sweep(filter, t, &pose);
     if (t > 3.7 && tunnel) {
-      EXPECT_STREQ(filter.reason(), "no source of speed: nothing around the lidar shows it") << t;
+      EXPECT_STREQ(filter.reason(),
+                   "no source of speed: the lidar's surroundings do not determine it")
+          << t;
       EXPECT_FALSE(filter.trajectory().at(seconds(t)).usable()) << t;
     } else if (t < 3 || t > 6.3) {
       EXPECT_TRUE(filter.usable()) << t << ": " << filter.reason();

@@ -10,10 +10,9 @@
 #include "fusion/places/image_descriptor.hpp"
 #include "fusion/places/match_evidence.hpp"
 #include "fusion/places/small_image.hpp"
-#include "tests/study/dependence/directed_information.hpp"
+#include "fusion/places/visual/sequence_information.hpp"
 #include "tests/study/places/precision_recall.hpp"
 #include "tests/study/places/season_drive.hpp"
-#include "tests/study/registration/k_means.hpp"
 #include "tests/study/registration/rendered_drive.hpp"
 
 namespace infuse::study {
@@ -100,85 +99,23 @@ bool is_on_map(const ImageVisit& map, const Eigen::Vector2d& truth, double toler
   });
 }
 
-/// Features of the cells of images, one per column: of each image, cell by cell.
-Eigen::MatrixXf cell_features(const ImageVisit& visit) {
-  const places::ImageDescriptor& first = visit.images.front();
-  const Eigen::Index rows = first.orientations;
-  const Eigen::Index cells = static_cast<Eigen::Index>(first.values.size()) / rows;
-  Eigen::MatrixXf features(rows, cells * static_cast<Eigen::Index>(visit.images.size()));
-  for (size_t k = 0; k < visit.images.size(); ++k) {
-    features.middleCols(static_cast<Eigen::Index>(k) * cells, cells) =
-        Eigen::Map<const Eigen::MatrixXf>(visit.images[k].values.data(), rows, cells);
-  }
-  return features;
-}
-
-/// Codewords of the cells of each image.
-using ImageWords = std::vector<std::vector<int32_t>>;
-
-ImageWords words_of(const ImageVisit& visit, const registration::Codebook& codebook) {
-  const auto words = registration::quantise(codebook, cell_features(visit));
-  const size_t cells = words.size() / visit.images.size();
-  ImageWords out(visit.images.size());
-  for (size_t k = 0; k < words.size(); ++k)
-    out[k / cells].push_back(static_cast<int32_t>(words[k]));
-  return out;
-}
-
-registration::Codebook learn_image_words(const std::vector<ImageVisit>& town) {
-  constexpr size_t kWords = 8;
-  constexpr Eigen::Index kStride = 8;
-  std::vector<Eigen::MatrixXf> all;
-  Eigen::Index count = 0;
-  for (const ImageVisit& visit : town) {
-    all.push_back(cell_features(visit));
-    count += all.back().cols();
-  }
-  Eigen::MatrixXf features(all.front().rows(), count);
-  count = 0;
-  for (const Eigen::MatrixXf& block : all) {
-    features.middleCols(count, block.cols()) = block;
-    count += block.cols();
-  }
-  const Eigen::MatrixXf samples = features(Eigen::all, Eigen::seq(0, count - 1, kStride));
-  return learn_codebook(samples, kWords, 1);
-}
-
-/// The sequence of every cell over images `begin` … `begin + count` − 1, one after the other.
-std::vector<int32_t> cell_sequences(const ImageWords& words, size_t begin, size_t count) {
-  std::vector<int32_t> out;
-  out.reserve(count * words.front().size());
-  for (size_t cell = 0; cell < words.front().size(); ++cell) {
-    for (size_t k = begin; k < begin + count; ++k) out.push_back(words[k][cell]);
-  }
-  return out;
-}
-
-/// Answers by the dependence of sequences of codewords; memory 0 is mutual information. The places
-/// of the map follow each other as the images of the query do.
-std::vector<RankedAnswer> match_words(const ImageWords& queries, const ImageWords& places,
-                                      const ImageVisit& visit, const ImageVisit& map, size_t length,
-                                      int memory, double tolerance) {
-  const size_t used = std::min({length, queries.size(), places.size()});
-  std::vector<std::vector<int32_t>> of_map;
-  for (size_t j = 0; j + used <= places.size(); ++j)
-    of_map.push_back(cell_sequences(places, j, used));
+/// The answers of matches.
+std::vector<RankedAnswer> ranked(const std::vector<places::SequenceMatch>& matches, bool by_margin,
+                                 const ImageVisit& visit, const ImageVisit& map, double tolerance) {
   std::vector<RankedAnswer> out;
-  for (size_t i = 0; i < queries.size(); ++i) {
-    const size_t before = std::min(i, used / 2);
-    const size_t begin = std::min(i - before, queries.size() - used);
-    const std::vector<int32_t> x = cell_sequences(queries, begin, used);
-    double best = -1;
-    size_t place = 0;
-    for (size_t j = 0; j < of_map.size(); ++j) {
-      const auto information = directed_information_rate(x, of_map[j], memory,
-                                                         CountEntropyOptions::Estimator::kChaoShen);
-      if (!information.usable() || information.value <= best) continue;
-      best = information.value;
-      place = j + i - begin;
-    }
-    const Eigen::Vector2d& truth = visit.where[i];
-    out.push_back({best, is_right(map, place, truth, tolerance), is_on_map(map, truth, tolerance)});
+  for (size_t i = 0; i < matches.size(); ++i) {
+    out.push_back({by_margin ? matches[i].margin : matches[i].score,
+                   is_right(map, matches[i].place, visit.where[i], tolerance),
+                   is_on_map(map, visit.where[i], tolerance)});
+  }
+  return out;
+}
+
+/// The images of all visits of a town.
+std::vector<places::ImageDescriptor> all_images(const std::vector<ImageVisit>& town) {
+  std::vector<places::ImageDescriptor> out;
+  for (const ImageVisit& visit : town) {
+    out.insert(out.end(), visit.images.begin(), visit.images.end());
   }
   return out;
 }
@@ -197,11 +134,12 @@ void print_answers(std::ostream& out, const char* season, const std::string& met
 
 void study_images(std::ostream& out, const ImageStudyOptions& options) {
   // The codebook is of a town that is not tested.
-  const registration::Codebook codebook = learn_image_words(render_town(options, options.learnt));
+  const registration::Codebook codebook =
+      places::learn_cell_words(all_images(render_town(options, options.learnt)), 8);
   out << "season | method | queries, on the map | area | recall at full precision | right, all "
          "accepted | found, wrong\n";
   const auto town = render_town(options, options.tested);
-  const auto map_words = words_of(town[0], codebook);
+  const places::CellWords map_words = places::cell_words(town[0].images, codebook);
   for (size_t k = 1; k < town.size(); ++k) {
     const char* season = season_visits()[k].name;
     const places::SimilarityTable table = compare(town[k], town[0]);
@@ -209,25 +147,22 @@ void study_images(std::ostream& out, const ImageStudyOptions& options) {
       const places::SequenceMatchOptions matching{.length = length};
       const places::MatchEvidence evidence(table, matching);
       const auto matches = places::match_sequences(table, matching);
-      std::vector<RankedAnswer> answers;
+      const auto answers = ranked(matches, true, town[k], town[0], options.tolerance);
       int found = 0, wrong = 0;
       for (size_t i = 0; i < matches.size(); ++i) {
-        const Eigen::Vector2d& truth = town[k].where[i];
-        answers.push_back({matches[i].margin,
-                           is_right(town[0], matches[i].place, truth, options.tolerance),
-                           is_on_map(town[0], truth, options.tolerance)});
         if (evidence.chance(matches[i]) > 0.02) continue;
         ++found;
-        wrong += answers.back().right ? 0 : 1;
+        wrong += answers[i].right ? 0 : 1;
       }
       print_answers(out, season, "similarity of " + std::to_string(length), answers);
       out << found << ", " << wrong << std::endl;
     }
-    const auto words = words_of(town[k], codebook);
+    const places::CellWords words = places::cell_words(town[k].images, codebook);
     for (const int memory : {0, 1}) {
+      const auto matches = places::match_by_information(words, map_words, {.memory = memory});
       print_answers(out, season,
                     memory == 0 ? "mutual information of 21" : "directed information of 21",
-                    match_words(words, map_words, town[k], town[0], 21, memory, options.tolerance));
+                    ranked(matches, false, town[k], town[0], options.tolerance));
       out << "-" << std::endl;
     }
   }

@@ -11,11 +11,12 @@
 
 #include "fusion/features/air_returns.hpp"
 #include "fusion/places/localiser.hpp"
-#include "tests/study/places/bag_of_words.hpp"
+#include "fusion/places/visual/bag_of_words.hpp"
+#include "fusion/places/visual/scan_words.hpp"
+#include "fusion/registration/visual/k_means.hpp"
+#include "tests/study/places/keypoint_words.hpp"
 #include "tests/study/places/precision_recall.hpp"
 #include "tests/study/places/scan_context.hpp"
-#include "tests/study/places/scan_words.hpp"
-#include "tests/study/registration/k_means.hpp"
 
 namespace infuse::study {
 namespace {
@@ -38,7 +39,8 @@ const char* method_name(size_t method) {
 /// What the methods need of a scan.
 struct DescribedScan {
   Eigen::Isometry3d T_map_vehicle;
-  ScanWords words;
+  places::ScanWords words;
+  std::vector<Keypoint> keypoints;
   places::PlaceDescriptor shape;
   mapping::Submap cloud;
 };
@@ -56,9 +58,12 @@ mapping::Submap cloud_of(const Sweep& sweep) {
 DescribedScan describe(const SeasonScan& scan, const Rig& rig,
                        const registration::Codebook& codebook) {
   const Sweep& sweep = scan.scan.sweep;
-  return {scan.T_map_vehicle, describe_scan(scan, rig, codebook),
-          places::describe_place({sweep.x, sweep.y, sweep.z}, rig.lidars.front().T_vehicle_lidar),
-          cloud_of(sweep)};
+  const Eigen::Isometry3d& T_vehicle_lidar = rig.lidars.front().T_vehicle_lidar;
+  const auto images = images_of(scan.scan, rig.cameras);
+  return {scan.T_map_vehicle,
+          places::describe_scan({features::make_sweep_view(sweep), images}, T_vehicle_lidar),
+          find_keypoints(scan, rig, codebook),
+          places::describe_place({sweep.x, sweep.y, sweep.z}, T_vehicle_lidar), cloud_of(sweep)};
 }
 
 SeasonDrive render(const RecognitionOptions& options, uint64_t world, const Visit& visit,
@@ -89,79 +94,47 @@ registration::Codebook learn_words(const RecognitionOptions& options) {
       if (index % stride == 0) samples.col(at++) = block.col(k);
     }
   }
-  return learn_codebook(samples.leftCols(at), options.words, 1, 12);
+  return registration::learn_codebook(samples.leftCols(at), options.words, 1, 12);
 }
 
-/// Where a query was seen from a place, and the information of both there.
-struct Alignment {
-  double x = 0, y = 0, yaw = 0;  // m, rad
-  SetInformation information{};
-};
-
-/// The best of a grid about the place, at the heading of the shapes and its opposite: other lanes,
-/// and places up to half their spacing away.
-Alignment search_roughly(const MapScan& place, const ScanWords& query, double yaw) {
-  constexpr size_t kAll = static_cast<size_t>(FeatureSet::kAll);
-  Alignment best;
-  best.information[kAll] = -1;
-  for (const double turned : {0.0, std::numbers::pi}) {
-    for (const double x : {-4.0, -2.0, 0.0, 2.0, 4.0}) {
-      for (const double y : {-6.0, -4.0, -2.0, 0.0, 2.0, 4.0, 6.0}) {
-        const SetInformation information = place.information(query, x, y, yaw + turned);
-        if (information[kAll] > best.information[kAll]) best = {x, y, yaw + turned, information};
-      }
-    }
-  }
-  return best;
-}
-
-/// The best pose near a guess.
-Alignment refine(const MapScan& place, const ScanWords& query, Alignment best) {
-  constexpr size_t kAll = static_cast<size_t>(FeatureSet::kAll);
-  for (const double scale : {0.5, 0.25}) {
-    for (bool improved = true; improved;) {
-      improved = false;
-      const double step = 2 * scale, turn = 0.07 * scale;
-      const std::array<std::array<double, 3>, 6> moves{
-          {{step, 0, 0}, {-step, 0, 0}, {0, step, 0}, {0, -step, 0}, {0, 0, turn}, {0, 0, -turn}}};
-      for (const auto& [dx, dy, turned] : moves) {
-        const double x = best.x + dx, y = best.y + dy, yaw = best.yaw + turned;
-        if (std::hypot(x, y) > 8) continue;
-        const SetInformation other = place.information(query, x, y, yaw);
-        if (other[kAll] <= best.information[kAll]) continue;
-        best = {x, y, yaw, other};
-        improved = true;
-      }
-    }
-  }
-  return best;
+std::vector<uint32_t> words_of(const DescribedScan& scan) {
+  std::vector<uint32_t> out;
+  for (const Keypoint& keypoint : scan.keypoints) out.push_back(keypoint.word);
+  return out;
 }
 
 using Scores = std::vector<std::vector<double>>;  // by method, then by place
 
-Scores score_query(const DescribedScan& query, const std::vector<MapScan>& map,
-                   const std::vector<places::PlaceDescriptor>& shapes, const BagOfWords& bag,
-                   size_t refined) {
-  constexpr size_t kAll = static_cast<size_t>(FeatureSet::kAll);
+/// A place of the map, by each method.
+struct MapPlace {
+  places::MapScan scan;
+  MapKeypoints keypoints;
+  places::PlaceDescriptor shape;
+};
+
+Scores score_query(const DescribedScan& query, const std::vector<MapPlace>& map,
+                   const places::BagOfWords& bag, size_t refined) {
+  constexpr bool kGrey = true;
   Scores out(kFeatureSets + kBaselines.size(), std::vector<double>(map.size(), -1));
   std::vector<std::pair<double, size_t>> order;
-  std::vector<Alignment> rough(map.size());
+  std::vector<places::InformationAlignment> rough(map.size());
   for (size_t k = 0; k < map.size(); ++k) {
-    const places::PlaceSimilarity shape = places::compare_places(shapes[k], query.shape);
-    out[kFeatureSets + 1][k] = scan_context_similarity(shapes[k], query.shape);
+    const places::PlaceSimilarity shape = places::compare_places(map[k].shape, query.shape);
+    out[kFeatureSets + 1][k] = scan_context_similarity(map[k].shape, query.shape);
     out[kFeatureSets + 2][k] = shape.correlation;
-    rough[k] = search_roughly(map[k], query.words, shape.yaw);
-    order.emplace_back(-rough[k].information[kAll], k);
+    rough[k] = places::search_by_information(map[k].scan, query.words, shape.yaw, kGrey);
+    order.emplace_back(-rough[k].information.total(kGrey), k);
   }
   std::sort(order.begin(), order.end());
   for (size_t i = 0; i < std::min(refined, order.size()); ++i) {
-    const size_t k = order[i].second;
-    const SetInformation best = refine(map[k], query.words, rough[k]).information;
-    for (size_t set = 0; set < kFeatureSets; ++set) out[set][k] = best[set];
+    const MapPlace& place = map[order[i].second];
+    const auto best =
+        places::refine_by_information(place.scan, query.words, rough[order[i].second], kGrey);
+    const auto information = information_of_sets(
+        best.information, place.keypoints.information(query.keypoints, best.x, best.y, best.yaw));
+    for (size_t set = 0; set < kFeatureSets; ++set) out[set][order[i].second] = information[set];
   }
-  std::vector<uint16_t> words;
-  for (const auto& keypoint : query.words.keypoints) words.push_back(keypoint.word);
-  const Eigen::VectorXd similarity = bag.similarities(words);
+  const Eigen::VectorXd similarity = bag.similarities(words_of(query));
   out[kFeatureSets].assign(similarity.begin(), similarity.end());
   return out;
 }
@@ -203,25 +176,23 @@ class VerifiedMap {
 
 void study_recognition(std::ostream& out, const RecognitionOptions& options) {
   const registration::Codebook codebook = learn_words(options);
-  std::vector<MapScan> map;
+  std::vector<MapPlace> map;
   VerifiedMap verified;
-  std::vector<places::PlaceDescriptor> shapes;
   std::vector<Eigen::Vector2d> where;
-  std::vector<std::vector<uint16_t>> words;
+  std::vector<std::vector<uint32_t>> words;
   {
     const SeasonDrive drive =
         render(options, options.world_seed, season_visits()[0], kMapRoute, options.map_spacing);
     for (const SeasonScan& scan : drive.scans) {
       DescribedScan described = describe(scan, drive.rig, codebook);
       where.emplace_back(described.T_map_vehicle.translation().head<2>());
-      shapes.push_back(described.shape);
       verified.add(described, drive.rig);
-      auto& own = words.emplace_back();
-      for (const auto& keypoint : described.words.keypoints) own.push_back(keypoint.word);
-      map.emplace_back(std::move(described.words));
+      words.push_back(words_of(described));
+      map.push_back({places::MapScan(std::move(described.words)),
+                     MapKeypoints(std::move(described.keypoints)), described.shape});
     }
   }
-  const BagOfWords bag(words, options.words);
+  const places::BagOfWords bag(words, options.words);
   out << "season | method | queries, on the map | area | recall at full precision | right, all "
          "accepted\n";
   std::map<size_t, std::vector<RankedAnswer>> of_all;
@@ -239,7 +210,7 @@ void study_recognition(std::ostream& out, const RecognitionOptions& options) {
       const RankedAnswer found = verified.answer(query, nearest, options.tolerance);
       answers[kVerified].push_back(found);
       if (visit > 1) of_all[kVerified].push_back(found);
-      const Scores scores = score_query(query, map, shapes, bag, options.refined);
+      const Scores scores = score_query(query, map, bag, options.refined);
       for (size_t method = 0; method < scores.size(); ++method) {
         const auto best = std::max_element(scores[method].begin(), scores[method].end());
         const auto place = static_cast<size_t>(best - scores[method].begin());

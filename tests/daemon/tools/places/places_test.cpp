@@ -98,6 +98,27 @@ TEST_F(PlacesTest, FindsImagesInAnotherLight) {
   EXPECT_THAT(folder_.read("found.csv"), HasSubstr("0000.png,0010.png,"));
 }
 
+class PlacesMethods : public PlacesTest, public testing::WithParamInterface<const char*> {};
+
+TEST_P(PlacesMethods, FindImagesInAnotherLight) {
+  const std::string map = write_images("map", 1, 0, kImages, false);
+  const std::string queries = write_images("queries", 1, 10, 60, true);
+  const ProgramResult result = places(map + " " + queries + " --json --length 9 " + GetParam());
+  ASSERT_EQ(result.code, 0) << result.output;
+  const Json json = Json::parse(result.output);
+  int right = 0;
+  for (size_t k = 0; k < 60; ++k) {
+    const Json& answer = json["answers"][k];
+    const bool is_right = std::abs(answer["index"].get<int>() - static_cast<int>(k) - 10) <= 1;
+    right += is_right ? 1 : 0;
+    EXPECT_TRUE(is_right || !answer["found"].get<bool>()) << answer;
+  }
+  EXPECT_GE(right, 54) << result.output;
+}
+INSTANTIATE_TEST_SUITE_P(All, PlacesMethods,
+                         testing::Values("--method correlation", "--method words",
+                                         "--sequence mutual", "--sequence directed"));
+
 TEST_F(PlacesTest, DoesNotFindWhatIsNotThere) {
   const std::string map = write_images("map", 1, 0, kImages, false);
   const std::string elsewhere = write_images("elsewhere", 2, 10, 60, true);
@@ -105,7 +126,7 @@ TEST_F(PlacesTest, DoesNotFindWhatIsNotThere) {
   const Json json = Json::parse(result.output);
   EXPECT_LE(json["found"].get<int>(), 2) << result.output;
   EXPECT_THAT(places(map + " " + write_images("few", 1, 10, 12, true)).output,
-              HasSubstr("too few images"));
+              HasSubstr("too few queries"));
 }
 
 TEST_F(PlacesTest, SaysWhatIsWrong) {
@@ -118,6 +139,10 @@ TEST_F(PlacesTest, SaysWhatIsWrong) {
   folder_.write("damaged/0.png", "no image");
   EXPECT_THAT(places(map + " " + (folder_ / "damaged").string()).output, HasSubstr("0.png"));
   EXPECT_EQ(places(map + " " + map + " --length 0").code, 2);
+  EXPECT_EQ(places(map + " " + map + " --method colours").code, 2);
+  EXPECT_THAT(places(map + " " + map + " --method words --sequence mutual").output,
+              HasSubstr("compares codewords of edges"));
+  EXPECT_EQ(places(map + " " + map + " --method shape").code, 3);
 }
 
 }  // namespace

@@ -1,10 +1,10 @@
-#include "tests/study/dependence/count_entropy.hpp"
+#include "fusion/dependence/count_entropy.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-namespace infuse::study {
+namespace infuse::dependence {
 namespace {
 
 constexpr const char* kFewerSamplesThanWords =
@@ -141,4 +141,4 @@ Estimate entropy(std::span<const double> counts, const CountEntropyOptions& opti
   return {0, "unknown estimator"};
 }
 
-}  // namespace infuse::study
+}  // namespace infuse::dependence

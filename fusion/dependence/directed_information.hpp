@@ -4,9 +4,9 @@
 #include <span>
 
 #include "fusion/dependence/estimate.hpp"
-#include "tests/study/dependence/count_entropy.hpp"
+#include "fusion/dependence/count_entropy.hpp"
 
-namespace infuse::study {
+namespace infuse::dependence {
 
 /// Directed information from one sequence of labels to another, nats, P(6.1) with the causally
 /// conditional entropy P(6.2), which conditions on the whole past Y^{i−1} (the thesis prints
@@ -34,4 +34,4 @@ Estimate directed_information_rate(
     CountEntropyOptions::Estimator estimator = CountEntropyOptions::Estimator::kMaximumLikelihood,
     bool delayed = false);
 
-}  // namespace infuse::study
+}  // namespace infuse::dependence

@@ -1,9 +1,9 @@
-#include "tests/study/dependence/directed_information.hpp"
+#include "fusion/dependence/directed_information.hpp"
 
 #include <algorithm>
 #include <vector>
 
-namespace infuse::study {
+namespace infuse::dependence {
 namespace {
 
 constexpr int kMaxMemory = 16;
@@ -39,7 +39,7 @@ class Words {
     while (!counts.empty() && counts.back() == 0) counts.pop_back();  // unused numbers
     CountEntropyOptions options;
     options.estimator = estimator;
-    return infuse::study::entropy(counts, options);
+    return infuse::dependence::entropy(counts, options);
   }
 
  private:
@@ -140,4 +140,4 @@ Estimate directed_information_rate(std::span<const int32_t> x, std::span<const i
   return {term.value(), ""};
 }
 
-}  // namespace infuse::study
+}  // namespace infuse::dependence

@@ -1,4 +1,4 @@
-#include "tests/study/dependence/directed_information.hpp"
+#include "fusion/dependence/directed_information.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-namespace infuse::study {
+namespace infuse::dependence {
 namespace {
 
 using Labels = std::vector<int32_t>;
@@ -132,4 +132,4 @@ TEST(DirectedInformation, ConstantSequencesCarryNone) {
 }
 
 }  // namespace
-}  // namespace infuse::study
+}  // namespace infuse::dependence

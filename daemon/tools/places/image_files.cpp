@@ -1,4 +1,4 @@
-#include "daemon/tools/places/image_drive.hpp"
+#include "daemon/tools/places/image_files.hpp"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -9,14 +9,12 @@
 #include "daemon/playback/read_image.hpp"
 #include "drivers/recording/drive_toml.hpp"
 #include "drivers/recording/times_csv.hpp"
-#include "fusion/places/small_image.hpp"
 
 namespace infuse::daemon {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kDescribedWidth = 64;        // pixels
 constexpr double kMaxAspectChange = 0.03;  // of the shape, between images that are compared
 
 struct ImageFile {
@@ -63,13 +61,14 @@ Result<std::vector<ImageFile>> images_of_drive(const std::string& path, const st
 
 }  // namespace
 
-Result<ImageDrive> read_image_drive(const std::string& path, const std::string& camera,
-                                    std::optional<double> aspect) {
+Result<ImageFiles> read_image_files(const std::string& path, const std::string& camera,
+                                    std::optional<double> aspect,
+                                    const std::function<void(const CameraFrame&)>& on_image) {
   const bool drive = fs::exists(fs::path(path) / "drive.toml");
   const auto files = drive ? images_of_drive(path, camera) : images_of_folder(path);
   if (!files) return tl::unexpected(files.error());
   if (files->empty()) return fail("there are no images", path, "PNG and JPEG are read");
-  ImageDrive out;
+  ImageFiles out;
   ProgressLine line;
   for (const ImageFile& file : *files) {
     const auto frame = read_image(file.path, {.grey = true});
@@ -81,17 +80,14 @@ Result<ImageDrive> read_image_drive(const std::string& path, const std::string& 
                               frame->width, frame->height),
                   file.path.string(), "images of one camera can be compared");
     }
-    const int height = std::max(8, static_cast<int>(std::lround(kDescribedWidth / *aspect)));
-    out.descriptors.push_back(places::describe_image(
-        places::shrink_image(*frame, kDescribedWidth, height), kDescribedWidth, height));
-    out.names.push_back(file.path.filename().string());
-    if (file.stamp) out.stamps.push_back(*file.stamp);
-    line.show(static_cast<double>(out.names.size()) / static_cast<double>(files->size()),
-              fmt::format("{} of {} images", out.names.size(), files->size()));
+    on_image(*frame);
+    out.list.names.push_back(file.path.filename().string());
+    if (file.stamp) out.list.stamps.push_back(*file.stamp);
+    line.show(static_cast<double>(out.list.names.size()) / static_cast<double>(files->size()),
+              fmt::format("{} of {} images", out.list.names.size(), files->size()));
   }
   line.clear();
   out.aspect = *aspect;
-  places::remove_common_view(out.descriptors);
   return out;
 }
 

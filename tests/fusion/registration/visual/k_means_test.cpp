@@ -1,10 +1,10 @@
-#include "tests/study/registration/k_means.hpp"
+#include "fusion/registration/visual/k_means.hpp"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-namespace infuse::study {
+namespace infuse::registration {
 namespace {
 
 TEST(KMeans, FindsSeparateClusters) {
@@ -15,7 +15,7 @@ TEST(KMeans, FindsSeparateClusters) {
     const float corner = i % 6 < 3 ? 0.0F : i % 6 < 5 ? 10.0F : 20.0F;  // 300, 200 and 100 of them
     features.col(i) << corner + noise(random), -corner + noise(random);
   }
-  const registration::Codebook codebook = learn_codebook(features, 3, 1);
+  const Codebook codebook = learn_codebook(features, 3, 1);
   EXPECT_FALSE(codebook.invalid());
   for (const auto& [corner, share] : {std::pair{0.0F, 0.5}, {10.0F, 1 / 3.0}, {20.0F, 1 / 6.0}}) {
     Eigen::Index word = 0;
@@ -29,4 +29,4 @@ TEST(KMeans, FindsSeparateClusters) {
 }
 
 }  // namespace
-}  // namespace infuse::study
+}  // namespace infuse::registration

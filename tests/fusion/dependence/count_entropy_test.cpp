@@ -1,4 +1,4 @@
-#include "tests/study/dependence/count_entropy.hpp"
+#include "fusion/dependence/count_entropy.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,11 +10,8 @@
 
 #include "fusion/dependence/shrunk_information.hpp"
 
-namespace infuse::study {
+namespace infuse::dependence {
 namespace {
-
-using dependence::fast_shrinkage;
-using dependence::FastShrinkage;
 
 constexpr double kEntropyTolerance = 5e-13;  // the reference values have twelve decimals
 const std::vector<double> kSmallCounts = {4, 2, 3, 0, 2, 4, 0, 0, 2, 1, 1};
@@ -154,4 +151,4 @@ TEST(CountEntropy, RelabellingChangesNothing) {
 }
 
 }  // namespace
-}  // namespace infuse::study
+}  // namespace infuse::dependence

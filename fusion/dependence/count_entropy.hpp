@@ -6,9 +6,7 @@
 
 #include "fusion/dependence/estimate.hpp"
 
-namespace infuse::study {
-
-using dependence::Estimate;
+namespace infuse::dependence {
 
 /// Entropy in nats of a discrete variable from its counts. Every function takes one count per word
 /// of the vocabulary, including zeros (the vocabulary size is `counts.size()`), and rejects counts
@@ -73,4 +71,4 @@ const char* check_counts(std::span<const double> counts);
 /// True if all counts are integers.
 bool all_integers(std::span<const double> counts);
 
-}  // namespace infuse::study
+}  // namespace infuse::dependence

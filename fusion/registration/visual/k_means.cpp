@@ -1,23 +1,24 @@
-#include "tests/study/registration/k_means.hpp"
+#include "fusion/registration/visual/k_means.hpp"
 
 #include <algorithm>
 #include <numeric>
+#include <random>
 
-#include "fixtures/simulator/world/random.hpp"
+#include "fusion/geometry/draw_uniform.hpp"
 
-namespace infuse::study {
+namespace infuse::registration {
 namespace {
 
 /// k-means++: each seed is a feature, drawn with the squared distance to the nearest seed so far.
 Eigen::MatrixXf draw_seeds(const Eigen::MatrixXf& features, Eigen::Index words, uint64_t seed) {
-  const simulator::Random random(seed, "k-means");
+  std::mt19937_64 random(seed);
   const Eigen::Index n = features.cols();
   Eigen::MatrixXf seeds(features.rows(), words);
   std::vector<double> distance(static_cast<size_t>(n), 1.0);
   for (Eigen::Index k = 0; k < words; ++k) {
     std::vector<double> sum(distance.size());
     std::partial_sum(distance.begin(), distance.end(), sum.begin());
-    const double drawn = random.uniform(static_cast<uint64_t>(k)) * sum.back();
+    const double drawn = (1 + geometry::draw_uniform(random)) / 2 * sum.back();
     const auto chosen = std::min<Eigen::Index>(
         n - 1, std::upper_bound(sum.begin(), sum.end(), drawn) - sum.begin());
     seeds.col(k) = features.col(chosen);
@@ -32,9 +33,9 @@ Eigen::MatrixXf draw_seeds(const Eigen::MatrixXf& features, Eigen::Index words, 
 
 }  // namespace
 
-registration::Codebook learn_codebook(const Eigen::MatrixXf& features, size_t words, uint64_t seed,
+Codebook learn_codebook(const Eigen::MatrixXf& features, size_t words, uint64_t seed,
                                       int iterations) {
-  registration::Codebook codebook;
+  Codebook codebook;
   const auto k = std::min<Eigen::Index>(static_cast<Eigen::Index>(words), features.cols());
   codebook.words = draw_seeds(features, k, seed);
   codebook.frequencies.assign(static_cast<size_t>(k), 1.0);
@@ -59,4 +60,4 @@ registration::Codebook learn_codebook(const Eigen::MatrixXf& features, size_t wo
   return codebook;
 }
 
-}  // namespace infuse::study
+}  // namespace infuse::registration
