@@ -37,6 +37,9 @@ MessageSetup message_setup(const SensorSetup& setup) {
   for (const LidarSetup& lidar : setup.lidars) {
     messages.packet_makers.push_back(lidar.has_packets ? packet_maker(*lidar.decoder.model)
                                                        : nullptr);
+    const auto& unit = lidar.decoder.calibration;
+    const bool has_text = messages.packet_makers.back() != nullptr && unit != nullptr;
+    messages.packet_metadata.emplace_back(has_text ? unit->text() : std::string_view());
   }
   for (const CameraSetup& camera : setup.cameras) messages.mosaics.push_back(camera.image.bayer);
   if (setup.gnss_lidar) messages.gnss_lidar = *setup.gnss_lidar;

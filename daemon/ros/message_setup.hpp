@@ -14,6 +14,8 @@ struct MessageSetup {
   Rig rig;
   /// By lidar: the maker of its packets, if there is a message for them; else null.
   std::vector<const lidar::LidarMaker*> packet_makers;
+  /// By lidar: what its packets cannot be read without (an Ouster's metadata); empty: nothing.
+  std::vector<std::string> packet_metadata;
   std::vector<std::optional<PixelFormat>> mosaics;  ///< by camera: of its image files
   std::optional<size_t> gnss_lidar;                 ///< whose information packets carry the fixes
   bool has_bus = false, has_motion = false;         ///< a bus; a speed or inertial unit of its own

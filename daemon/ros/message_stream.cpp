@@ -198,7 +198,7 @@ bool MessageStream::read_items() {
 }
 
 void MessageStream::write_item(const StreamItem& item) {
-  if (!std::exchange(started_, true)) messages_.write_transforms(item.stamp);
+  if (!std::exchange(started_, true)) messages_.write_constants(item.stamp);
   switch (item.kind) {
     case StreamItem::Kind::kSamples:
       for (size_t k = 0; k < item.samples.size(); ++k)

@@ -56,6 +56,14 @@ std::map<std::string, std::string> SensorMessages::metadata() const {
   return pairs;
 }
 
+void SensorMessages::write_constants(Stamp stamp) {
+  write_transforms(stamp);
+  for (size_t k = 0; k < lidar_topics_.size(); ++k) {
+    if (setup_.packet_metadata[k].empty()) continue;
+    sink_.write(lidar_topics_[k].metadata, stamp, ros::String{setup_.packet_metadata[k]}, true);
+  }
+}
+
 void SensorMessages::write_transforms(Stamp stamp) {
   ros::TfMessage message;
   for (size_t k = 0; k < rig_.lidars.size(); ++k) {

@@ -34,7 +34,8 @@ class SensorMessages {
   /// Text pairs that the messages have no place for.
   std::map<std::string, std::string> metadata() const;
 
-  void write_transforms(Stamp stamp);
+  /// What holds for all of a run: the sensors' mounts, and the metadata of lidars' packets.
+  void write_constants(Stamp stamp);
   /// Other datagrams than packets are counted; packets for which there is no message are not
   /// written.
   void add_datagram(size_t lidar, std::span<const uint8_t> payload, Stamp stamp);
@@ -55,6 +56,7 @@ class SensorMessages {
   void append_notes(std::vector<Error>& notes) const;
 
  private:
+  void write_transforms(Stamp stamp);
   void add_to_scan(size_t lidar, std::span<const uint8_t> payload, Stamp stamp);
   void write_scan(size_t lidar);
   void write_bytes(size_t lidar, std::span<const uint8_t> payload, Stamp stamp);

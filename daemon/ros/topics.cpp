@@ -12,6 +12,7 @@ std::string camera_frame(const Rig& rig, size_t camera) {
 LidarTopics::LidarTopics(const std::string& name)
     : packets("/lidar/" + name + "/packets"),
       position_packets("/lidar/" + name + "/position_packets"),
+      metadata("/lidar/" + name + "/metadata"),
       points_raw("/lidar/" + name + "/points_raw"),
       points("/lidar/" + name + "/points") {}
 
@@ -35,6 +36,8 @@ std::vector<TopicInfo> list_topics(const MessageSetup& setup) {
       const PacketTypes types = packet_types(*maker);
       add(lidar.packets, types.data);
       if (types.others != nullptr) add(lidar.position_packets, types.others);
+      if (!setup.packet_metadata[k].empty())
+        topics.push_back({lidar.metadata, ros::String::kName, true});
     }
     add(lidar.points_raw, ros::PointCloud2::kName);
     add(lidar.points, ros::PointCloud2::kName);

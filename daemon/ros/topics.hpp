@@ -15,7 +15,7 @@ std::string camera_frame(const Rig& rig, size_t camera);
 /// Topics of a lidar.
 struct LidarTopics {
   explicit LidarTopics(const std::string& name);
-  std::string packets, position_packets, points_raw, points;
+  std::string packets, position_packets, metadata, points_raw, points;
 };
 
 /// Topics of a camera.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 namespace infuse::lidar {
 
@@ -18,6 +19,10 @@ struct LidarModel;
 struct UnitCalibration {
   explicit UnitCalibration(const LidarModel* of_model) : model(of_model) {}
   virtual ~UnitCalibration() = default;
+
+  /// The text that the maker's ROS driver publishes beside the packets, without which they cannot
+  /// be read; empty: none is needed.
+  virtual std::string_view text() const { return {}; }
 
   const LidarModel* const model;
 };

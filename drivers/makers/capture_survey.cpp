@@ -45,7 +45,7 @@ std::string CaptureSurvey::describe_unread() const {
     text += (text.empty() ? "" : "; ") + std::to_string(count) + " packets " + what;
   };
   add(packets_.truncated, "cut short by the snapshot length (capture whole ones: tcpdump -s 0)");
-  add(packets_.ipv6, "of IPv6, which is not read");
+  add(packets_.ipv6, "of IPv6 that are not UDP");
   add(packets_.malformed, "with contradictory lengths");
   add(packets_.not_udp, "that are not UDP");
   add(packets_.fragments_dropped, "that are fragments of incomplete datagrams");

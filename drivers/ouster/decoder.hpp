@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string_view>
 
 #include "drivers/lidar/lidar_decoder.hpp"
 #include "drivers/ouster/metadata.hpp"
@@ -13,6 +14,7 @@ namespace infuse::ouster {
 struct UnitCalibration final : lidar::UnitCalibration {
   explicit UnitCalibration(const Metadata& unit)
       : lidar::UnitCalibration(model_of(unit)), metadata(unit) {}
+  std::string_view text() const override { return metadata.text; }
   const Metadata metadata;
 };
 

@@ -179,10 +179,15 @@ void read_format(MetadataReader& reader, const char* section, Metadata& metadata
   } else if (window != nullptr && !window->is_null()) {
     reader.reject("column_window must have two numbers");
   }
+  const std::string inertial = reader.text(section, "udp_profile_imu");
+  metadata.has_other_imu = !inertial.empty() && inertial != "LEGACY" && inertial != "OFF";
   const std::string profile = reader.text(section, "udp_profile_lidar");
   if (profile.empty()) return;
   if (const ProfileInfo* info = find_profile(profile)) {
     metadata.profile = info->profile;
+    const std::string header = reader.text(section, "header_type");  // from firmware 3.2 on
+    metadata.fusa_header = header.empty() ? info->profile == Profile::kFusaDual
+                                          : header == "FUSA" && info->profile != Profile::kLegacy;
   } else {
     reader.reject("udp_profile_lidar \"" + profile + "\" is not supported",
                   "supported: " + profile_names());
@@ -295,6 +300,7 @@ Result<Metadata> parse_metadata(std::string_view text, const std::string& where)
   if (!root.is_object()) return fail("is no JSON object", where, kExpected);
   MetadataReader reader(root, where);
   Metadata metadata;
+  metadata.text = text;
   metadata.product_line = reader.text("sensor_info", "prod_line");
   metadata.serial_number = reader.text("sensor_info", "prod_sn");
   metadata.firmware = reader.text("sensor_info", "build_rev");

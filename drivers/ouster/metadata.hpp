@@ -43,10 +43,13 @@ struct ColumnWindow {
 /// A sensor's description of itself, without which its packets cannot be read: as it gives it at
 /// `GET /api/v1/sensor/metadata`, and as recorders store it beside a capture.
 struct Metadata {
+  std::string text;          ///< the JSON itself
   std::string product_line;  ///< "OS-1-64"; empty if not stated
   std::string serial_number;
   std::string firmware;  ///< "v2.3.0"; empty if not stated
   Profile profile = Profile::kLegacy;
+  bool fusa_header = false;         ///< headers have the layout for functional safety
+  bool has_other_imu = false;       ///< inertial packets are of a profile that is not read
   uint16_t columns_per_turn = 0;    ///< 512, 1024, 2048 or 4096
   uint16_t columns_per_packet = 0;  ///< 16 unless configured
   ColumnWindow window;

@@ -106,6 +106,7 @@ std::string describe_unit(const Metadata& metadata) {
   if (!metadata.serial_number.empty()) text += "serial number " + metadata.serial_number + ", ";
   text.append(profile_info(metadata.profile).name);
   text += ", " + std::to_string(metadata.columns_per_turn) + " columns";
+  if (metadata.has_other_imu) text += ", inertial packets of a profile that is not read";
   if (metadata.time_mode == TimeMode::kUnknown) return text;
   return text + ", time of " + describe(metadata.time_mode);
 }

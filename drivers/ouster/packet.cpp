@@ -24,26 +24,22 @@ T read(const uint8_t* bytes) {
 
 /// Reads the packet's header, or in LEGACY the part of it that each column has.
 void read_header(const PacketLayout& layout, const uint8_t* bytes, Packet& packet) {
-  switch (layout.profile->profile) {
-    case Profile::kLegacy:
-      packet.frame_id = read<uint16_t>(bytes + 10);
-      return;
-    case Profile::kFusaDual:
-      packet.initialization_id = read<uint32_t>(bytes) >> 8;
-      packet.frame_id = read<uint32_t>(bytes + 4);
-      packet.serial_number = read<uint64_t>(bytes + 11) & 0xFF'FFFF'FFFF;
-      return;
-    default:
-      packet.frame_id = read<uint16_t>(bytes + 2);
-      packet.initialization_id = read<uint32_t>(bytes + 4) & 0xFF'FFFF;
-      packet.serial_number = read<uint64_t>(bytes + 7) & 0xFF'FFFF'FFFF;
-      return;
+  if (layout.profile->profile == Profile::kLegacy) {
+    packet.frame_id = read<uint16_t>(bytes + 10);
+  } else if (layout.fusa_header) {
+    packet.initialization_id = read<uint32_t>(bytes) >> 8;
+    packet.frame_id = read<uint32_t>(bytes + 4);
+    packet.serial_number = read<uint64_t>(bytes + 11) & 0xFF'FFFF'FFFF;
+  } else {
+    packet.frame_id = read<uint16_t>(bytes + 2);
+    packet.initialization_id = read<uint32_t>(bytes + 4) & 0xFF'FFFF;
+    packet.serial_number = read<uint64_t>(bytes + 7) & 0xFF'FFFF'FFFF;
   }
 }
 
-bool is_lidar_packet(Profile profile, const uint8_t* header) {
-  if (profile == Profile::kLegacy) return true;
-  return profile == Profile::kFusaDual ? header[0] == 1 : read<uint16_t>(header) == 1;
+bool is_lidar_packet(const PacketLayout& layout, const uint8_t* header) {
+  if (layout.profile->profile == Profile::kLegacy) return true;
+  return layout.fusa_header ? header[0] == 1 : read<uint16_t>(header) == 1;
 }
 
 Column read_column(const PacketLayout& layout, const uint8_t* bytes) {
@@ -115,7 +111,7 @@ const char* describe(PacketFault fault) {
 tl::expected<Packet, PacketFault> parse_packet(const PacketLayout& layout,
                                                std::span<const uint8_t> payload) {
   if (payload.size() != layout.packet_bytes()) return tl::unexpected(PacketFault::kSize);
-  if (!is_lidar_packet(layout.profile->profile, payload.data())) {
+  if (!is_lidar_packet(layout, payload.data())) {
     return tl::unexpected(PacketFault::kType);
   }
   tl::expected<Packet, PacketFault> packet;
@@ -130,9 +126,10 @@ std::optional<PacketHead> read_head(std::span<const uint8_t> payload) {
   for (const ProfileInfo& info : kProfiles) {
     for (const uint16_t beams : std::array<uint16_t, 4>{16, 32, 64, 128}) {
       for (const uint16_t columns : std::array<uint16_t, 3>{16, 8, 4}) {
-        const PacketLayout layout(info, beams, columns, kMaxColumnsPerTurn);
+        PacketLayout layout(info, beams, columns, kMaxColumnsPerTurn, false);
         if (payload.size() != layout.packet_bytes()) continue;
-        if (!is_lidar_packet(info.profile, payload.data())) continue;
+        layout.fusa_header = !is_lidar_packet(layout, payload.data());
+        if (!is_lidar_packet(layout, payload.data())) continue;
         Packet packet;
         read_heads(layout, payload.data(), packet);
         if (count_sequence(packet, layout.columns_per_turn).value_or(0) < 2) continue;

@@ -27,17 +27,20 @@ struct PacketLayout {
   uint16_t beams;
   uint16_t columns;           ///< in a packet
   uint16_t columns_per_turn;  ///< measurement ids are smaller
+  bool fusa_header;           ///< the packet's header has the layout for functional safety
 
   PacketLayout(const ProfileInfo& info, uint16_t beam_count, uint16_t packet_columns,
-               uint16_t turn_columns)
+               uint16_t turn_columns, bool has_fusa_header)
       : profile(&info),
         beams(beam_count),
         columns(packet_columns),
-        columns_per_turn(turn_columns) {}
+        columns_per_turn(turn_columns),
+        fusa_header(has_fusa_header) {}
 
   explicit PacketLayout(const Metadata& metadata)
       : PacketLayout(profile_info(metadata.profile), static_cast<uint16_t>(metadata.beams()),
-                     metadata.columns_per_packet, metadata.columns_per_turn) {}
+                     metadata.columns_per_packet, metadata.columns_per_turn, metadata.fusa_header) {
+  }
 
   /// Bytes of a column.
   size_t column_bytes() const {

@@ -9,11 +9,16 @@ namespace infuse::ouster {
 
 /// Layout of a lidar packet's pixels and headers, as the metadata's `udp_profile_lidar` names it.
 enum class Profile : uint8_t {
-  kLegacy,     ///< LEGACY
-  kRng19,      ///< RNG19_RFL8_SIG16_NIR16
-  kRng19Dual,  ///< RNG19_RFL8_SIG16_NIR16_DUAL
-  kRng15,      ///< RNG15_RFL8_NIR8
-  kFusaDual,   ///< FUSA_RNG15_RFL8_NIR8_DUAL
+  kLegacy,         ///< LEGACY
+  kRng19,          ///< RNG19_RFL8_SIG16_NIR16
+  kRng19Dual,      ///< RNG19_RFL8_SIG16_NIR16_DUAL
+  kRng15,          ///< RNG15_RFL8_NIR8
+  kFusaDual,       ///< FUSA_RNG15_RFL8_NIR8_DUAL
+  kRng15Dual,      ///< RNG15_RFL8_NIR8_DUAL
+  kRng15Zone,      ///< RNG15_RFL8_NIR8_ZONE16
+  kRng15Window,    ///< RNG15_RFL8_WIN8
+  kRng19Zone,      ///< RNG19_RFL8_SIG16_NIR16_ZONE16
+  kRng19ZoneDual,  ///< RNG19_RFL8_SIG16_ZONE16_DUAL
 };
 
 /// A quantity of a pixel: `bits` bits of the little-endian word that begins at `offset`, times
@@ -40,8 +45,8 @@ struct EchoFields {
   PixelField signal;        ///< photons
 };
 
-/// Properties of a profile. Sources: Ouster's manual "Sensor Data", lidar data format; the FUSA
-/// profile's headers are read off a capture (the metadata's initialization id and serial number).
+/// Properties of a profile. Sources: Ouster's manual "Sensor Data", lidar data format; of the
+/// profiles with zones and windows, and of RNG15 with two returns, what its SDK states.
 struct ProfileInfo {
   Profile profile;
   std::string_view name;  ///< as the metadata has it
@@ -59,7 +64,7 @@ struct ProfileInfo {
 };
 
 /// All profiles, by `Profile`.
-inline constexpr std::array<ProfileInfo, 5> kProfiles{{
+inline constexpr std::array<ProfileInfo, 10> kProfiles{{
     {Profile::kLegacy, "LEGACY", 12, 1, {{{{0, 20}, {4, 16}, {6, 16}}, {}}}, {8, 16}},
     {Profile::kRng19, "RNG19_RFL8_SIG16_NIR16", 12, 1, {{{{0, 19}, {4, 8}, {6, 16}}, {}}}, {8, 16}},
     {Profile::kRng19Dual,
@@ -75,6 +80,31 @@ inline constexpr std::array<ProfileInfo, 5> kProfiles{{
      2,
      {{{{0, 15, 8}, {2, 8}, {}}, {{4, 15, 8}, {6, 8}, {}}}},
      {3, 8, 16}},
+    {Profile::kRng15Dual,
+     "RNG15_RFL8_NIR8_DUAL",
+     8,
+     2,
+     {{{{0, 15, 8}, {2, 8}, {}}, {{4, 15, 8}, {6, 8}, {}}}},
+     {3, 8, 16}},
+    {Profile::kRng15Zone,
+     "RNG15_RFL8_NIR8_ZONE16",
+     8,
+     1,
+     {{{{0, 15, 8}, {2, 8}, {}}, {}}},
+     {3, 8, 16}},
+    {Profile::kRng15Window, "RNG15_RFL8_WIN8", 4, 1, {{{{0, 15, 8}, {2, 8}, {}}, {}}}, {}},
+    {Profile::kRng19Zone,
+     "RNG19_RFL8_SIG16_NIR16_ZONE16",
+     12,
+     1,
+     {{{{0, 19}, {4, 8}, {6, 16}}, {}}},
+     {8, 16}},
+    {Profile::kRng19ZoneDual,
+     "RNG19_RFL8_SIG16_ZONE16_DUAL",
+     16,
+     2,
+     {{{{0, 19}, {3, 8}, {8, 16}}, {{4, 19}, {7, 8}, {10, 16}}}},
+     {}},
 }};
 
 /// Properties of a profile.

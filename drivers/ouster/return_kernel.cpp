@@ -136,16 +136,22 @@ ReturnKernel select(InstructionSet set) {
 }  // namespace
 
 ReturnKernel return_kernel(Profile profile, InstructionSet set) {
-  switch (profile) {
+  switch (profile) {  // zones, windows and near-infrared are not read
     case Profile::kLegacy:
       return select<Profile::kLegacy>(set);
     case Profile::kRng19:
+    case Profile::kRng19Zone:
       return select<Profile::kRng19>(set);
     case Profile::kRng19Dual:
+    case Profile::kRng19ZoneDual:
       return select<Profile::kRng19Dual>(set);
     case Profile::kRng15:
+    case Profile::kRng15Window:
       return select<Profile::kRng15>(set);
+    case Profile::kRng15Zone:
+      return select<Profile::kRng15Zone>(set);
     case Profile::kFusaDual:
+    case Profile::kRng15Dual:
       break;
   }
   return select<Profile::kFusaDual>(set);

@@ -9,9 +9,9 @@ namespace infuse::ouster {
 namespace {
 
 /// Difference of two numbers of turns, which wrap after 16 bits, FUSA: after 32.
-int64_t turns_between(uint32_t earlier, uint32_t later, Profile profile) {
+int64_t turns_between(uint32_t earlier, uint32_t later, bool fusa) {
   const uint32_t difference = later - earlier;
-  if (profile == Profile::kFusaDual) return static_cast<int32_t>(difference);
+  if (fusa) return static_cast<int32_t>(difference);
   return static_cast<int16_t>(difference);
 }
 
@@ -138,8 +138,7 @@ void TurnAssembler::begin_decoding() {
 /// Turn of the held packet's frame. A sensor that has started again counts anew.
 int64_t TurnAssembler::turn_of_held() {
   if (!has_last_) return 0;
-  const int64_t turns =
-      turns_between(last_frame_, held_->packet.frame_id, layout_.profile->profile);
+  const int64_t turns = turns_between(last_frame_, held_->packet.frame_id, layout_.fusa_header);
   const double seconds =
       static_cast<double>(held_->packet.columns[held_->first].device_ns - last_device_ns_) * 1e-9;
   const double deviation = std::abs(static_cast<double>(turns) - seconds * turns_per_second_);

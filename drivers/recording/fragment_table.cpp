@@ -8,7 +8,7 @@ FragmentTable::FragmentTable(size_t slots, Duration timeout) : slots_(slots), ti
   for (Slot& slot : slots_) slot.bytes = std::make_unique_for_overwrite<uint8_t[]>(kMaxBytes);
 }
 
-std::span<const uint8_t> FragmentTable::add(const Ipv4Fragment& fragment) {
+std::span<const uint8_t> FragmentTable::add(const IpFragment& fragment) {
   drop_expired(fragment.stamp);
   const size_t end = fragment.offset + fragment.bytes.size();
   const bool impossible = fragment.bytes.empty() || end > kMaxBytes || slots_.empty() ||
@@ -50,7 +50,7 @@ void FragmentTable::drop_all() {
   }
 }
 
-FragmentTable::Slot* FragmentTable::find(const Ipv4Fragment& fragment) {
+FragmentTable::Slot* FragmentTable::find(const IpFragment& fragment) {
   for (Slot& slot : slots_) {
     if (slot.used && slot.identification == fragment.identification &&
         slot.source == fragment.source && slot.destination == fragment.destination) {
@@ -60,7 +60,7 @@ FragmentTable::Slot* FragmentTable::find(const Ipv4Fragment& fragment) {
   return nullptr;
 }
 
-FragmentTable::Slot& FragmentTable::allocate_slot(const Ipv4Fragment& fragment) {
+FragmentTable::Slot& FragmentTable::allocate_slot(const IpFragment& fragment) {
   // A free slot, otherwise the oldest.
   Slot& slot = *std::min_element(slots_.begin(), slots_.end(), [](const Slot& a, const Slot& b) {
     return a.used != b.used ? !a.used : a.first_stamp < b.first_stamp;

@@ -11,18 +11,18 @@
 
 namespace infuse::recording {
 
-/// One fragment of an IPv4 packet (RFC 791).
-struct Ipv4Fragment {
+/// One fragment of an IP packet (RFC 791, RFC 8200).
+struct IpFragment {
   Stamp stamp;
   uint32_t source = 0;
   uint32_t destination = 0;
-  uint16_t identification = 0;
+  uint32_t identification = 0;
   size_t offset = 0;            ///< bytes into the packet's payload, a multiple of 8
   bool more_fragments = false;  ///< false for the last fragment of a packet
   std::span<const uint8_t> bytes;
 };
 
-/// Reassembles IPv4 fragments in fixed memory. A packet is dropped if it is incomplete after
+/// Reassembles IP fragments in fixed memory. A packet is dropped if it is incomplete after
 /// `timeout`, or if it is the oldest and all slots are in use. If fragments overlap, the later one
 /// wins.
 class FragmentTable {
@@ -31,7 +31,7 @@ class FragmentTable {
 
   /// Adds a fragment. Returns the payload of the packet that it completes, valid until the next
   /// call; otherwise an empty span.
-  std::span<const uint8_t> add(const Ipv4Fragment& fragment);
+  std::span<const uint8_t> add(const IpFragment& fragment);
 
   /// Number of fragments dropped: timed out, evicted, contradictory, or beyond 65 535 bytes.
   uint64_t dropped() const { return dropped_; }
@@ -46,7 +46,7 @@ class FragmentTable {
     bool used = false;
     Stamp first_stamp;
     uint32_t source = 0, destination = 0;
-    uint16_t identification = 0;
+    uint32_t identification = 0;
     uint64_t fragments = 0;
     size_t total_bytes = 0;  // 0 until the last fragment has arrived
     size_t units_present = 0;
@@ -54,8 +54,8 @@ class FragmentTable {
     std::bitset<kMaxUnits> present;
     std::unique_ptr<uint8_t[]> bytes;
   };
-  Slot* find(const Ipv4Fragment& fragment);
-  Slot& allocate_slot(const Ipv4Fragment& fragment);
+  Slot* find(const IpFragment& fragment);
+  Slot& allocate_slot(const IpFragment& fragment);
   void drop(Slot& slot);
   void drop_expired(Stamp now);
 

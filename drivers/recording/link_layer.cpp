@@ -26,24 +26,27 @@ LinkPayload parse_ether_type(std::span<const uint8_t> frame, size_t type_at, siz
     type = read_u16(frame, header + 2);
     header += 4;
   }
-  if (type == kEtherTypeIpv6) return {LinkPayload::Kind::kIpv6, {}};
+  if (type == kEtherTypeIpv6) return {LinkPayload::Kind::kIpv6, frame.subspan(header)};
   if (type != kEtherTypeIpv4) return {};
   return {LinkPayload::Kind::kIpv4, frame.subspan(header)};
 }
 
 LinkPayload parse_raw_ip(std::span<const uint8_t> frame) {
   if (frame.empty()) return {LinkPayload::Kind::kTooShort, {}};
-  if (frame[0] >> 4 == 6) return {LinkPayload::Kind::kIpv6, {}};
+  if (frame[0] >> 4 == 6) return {LinkPayload::Kind::kIpv6, frame};
   if (frame[0] >> 4 != 4) return {};
   return {LinkPayload::Kind::kIpv4, frame};
 }
 
-// The address family has four bytes in either byte order; AF_INET is 2 on all systems.
+// The address family has four bytes in either byte order; AF_INET is 2 on all systems, AF_INET6
+// 10, 24, 28 or 30.
 LinkPayload parse_bsd_loopback(std::span<const uint8_t> frame) {
   if (frame.size() < 4) return {LinkPayload::Kind::kTooShort, {}};
-  const uint32_t family = read_u32(frame, 0);
-  if (family != 2 && family != 0x0200'0000) return {};
-  return {LinkPayload::Kind::kIpv4, frame.subspan(4)};
+  const uint32_t stored = read_u32(frame, 0);
+  const uint32_t family = stored < 0x10000 ? stored : stored >> 24;
+  if (family == 2) return {LinkPayload::Kind::kIpv4, frame.subspan(4)};
+  const bool six = family == 10 || family == 24 || family == 28 || family == 30;
+  return six ? LinkPayload{LinkPayload::Kind::kIpv6, frame.subspan(4)} : LinkPayload();
 }
 
 }  // namespace
@@ -55,6 +58,7 @@ bool is_supported_link_type(int link_type) {
     case DLT_LINUX_SLL2:
     case DLT_RAW:
     case DLT_IPV4:
+    case DLT_IPV6:
     case DLT_NULL:
     case DLT_LOOP:
       return true;
@@ -63,7 +67,7 @@ bool is_supported_link_type(int link_type) {
   }
 }
 
-LinkPayload find_ipv4(int link_type, std::span<const uint8_t> frame) {
+LinkPayload find_ip(int link_type, std::span<const uint8_t> frame) {
   switch (link_type) {
     case DLT_EN10MB:
       return parse_ether_type(frame, 12, 14);
@@ -73,6 +77,7 @@ LinkPayload find_ipv4(int link_type, std::span<const uint8_t> frame) {
       return parse_ether_type(frame, 0, 20);
     case DLT_RAW:
     case DLT_IPV4:
+    case DLT_IPV6:
       return parse_raw_ip(frame);
     case DLT_NULL:
     case DLT_LOOP:

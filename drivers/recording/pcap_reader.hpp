@@ -30,18 +30,18 @@ struct PcapCounters {
   uint64_t packets = 0;            ///< read from the file
   uint64_t datagrams = 0;          ///< returned
   uint64_t filtered = 0;           ///< complete UDP datagrams excluded by the options
-  uint64_t ipv6 = 0;               ///< not read: Velodyne lidars send IPv4
-  uint64_t not_udp = 0;            ///< ARP, TCP …
+  uint64_t ipv6 = 0;               ///< IPv6, but not UDP: neighbour discovery …
+  uint64_t not_udp = 0;            ///< ARP, TCP … of IPv4
   uint64_t truncated = 0;          ///< captured with a short snapshot length (tcpdump -s)
   uint64_t malformed = 0;          ///< with contradictory lengths
-  uint64_t fragments = 0;          ///< IPv4 fragments seen
-  uint64_t fragments_dropped = 0;  ///< IPv4 fragments of datagrams that were never complete
+  uint64_t fragments = 0;          ///< IP fragments seen
+  uint64_t fragments_dropped = 0;  ///< IP fragments of datagrams that were never complete
   uint64_t skipped_bytes = 0;      ///< that are no packets
 };
 
 /// Reads the UDP datagrams of a pcap or pcapng file, plain or compressed (gzip, zstd):
 /// Ethernet with or without VLAN tags (802.1Q, QinQ), Linux cooked v1 and v2, raw IP, BSD loopback;
-/// IPv4 fragments are reassembled. After a damaged record of an uncompressed pcap file reading goes
+/// IP fragments are reassembled. After a damaged record of an uncompressed pcap file reading goes
 /// on at the next sound one. Where the host's clock was set back, stamps run on. Allocates nothing
 /// after `open` unless the file is damaged.
 class PcapReader {

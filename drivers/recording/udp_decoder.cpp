@@ -30,19 +30,29 @@ FrameOutcome UdpDecoder::decode(Stamp stamp, std::span<const uint8_t> frame, siz
                                 Datagram& datagram) {
   const FrameOutcome too_short =
       frame.size() < wire_length ? FrameOutcome::kTruncated : FrameOutcome::kMalformed;
-  const LinkPayload link = find_ipv4(link_type_, frame);
-  if (link.kind == LinkPayload::Kind::kTooShort) return too_short;
-  if (link.kind == LinkPayload::Kind::kIpv6) return FrameOutcome::kIpv6;
-  if (link.kind == LinkPayload::Kind::kOther) return FrameOutcome::kNotUdp;
+  datagram.stamp = stamp;
+  const LinkPayload link = find_ip(link_type_, frame);
+  switch (link.kind) {
+    case LinkPayload::Kind::kIpv4:
+      return decode_ipv4(link.packet, too_short, datagram);
+    case LinkPayload::Kind::kIpv6:
+      return decode_ipv6(link.packet, too_short, datagram);
+    case LinkPayload::Kind::kTooShort:
+      return too_short;
+    case LinkPayload::Kind::kOther:
+      break;
+  }
+  return FrameOutcome::kNotUdp;
+}
 
-  const std::span<const uint8_t> packet = link.packet;
+FrameOutcome UdpDecoder::decode_ipv4(std::span<const uint8_t> packet, FrameOutcome too_short,
+                                     Datagram& datagram) {
   if (packet.size() < kIpv4HeaderBytes) return too_short;
   if (packet[0] >> 4 != 4) return FrameOutcome::kMalformed;
   if (packet[9] != kProtocolUdp) return FrameOutcome::kNotUdp;
   const size_t header = (packet[0] & 0x0Fu) * 4u;
   const size_t total = read_u16(packet, 2);
   if (header < kIpv4HeaderBytes || total < header) return FrameOutcome::kMalformed;
-  datagram.stamp = stamp;
   datagram.sender = read_u32(packet, 12);
   const uint16_t flags_and_offset = read_u16(packet, 6);
   const bool more = (flags_and_offset & 0x2000) != 0;
@@ -55,10 +65,44 @@ FrameOutcome UdpDecoder::decode(Stamp stamp, std::span<const uint8_t> frame, siz
   }
   const std::span<const uint8_t> segment = packet.subspan(header, total - header);
   if (!fragment) return decode_udp(segment, datagram);
+  return add_fragment({datagram.stamp, datagram.sender, read_u32(packet, 16), read_u16(packet, 4),
+                       offset, more, segment},
+                      datagram);
+}
 
+/// RFC 8200: the header, then extension headers, of which that of a fragment is the last.
+FrameOutcome UdpDecoder::decode_ipv6(std::span<const uint8_t> packet, FrameOutcome too_short,
+                                     Datagram& datagram) {
+  constexpr size_t kHeaderBytes = 40, kFragmentBytes = 8;
+  constexpr uint8_t kHopByHop = 0, kRouting = 43, kFragment = 44, kDestination = 60;
+  if (packet.size() < kHeaderBytes) return too_short;
+  if (packet[0] >> 4 != 6) return FrameOutcome::kMalformed;
+  const size_t length = read_u16(packet, 4);
+  datagram.sender = ipv6_label(read_u32(packet, 20));
+  const uint32_t destination = ipv6_label(read_u32(packet, 36));
+  uint8_t next = packet[6];
+  if (packet.size() < kHeaderBytes + length) return too_short;
+  std::span<const uint8_t> rest = packet.subspan(kHeaderBytes, length);
+  while (next == kHopByHop || next == kRouting || next == kDestination) {
+    const size_t bytes = rest.size() < 2 ? 0 : (rest[1] + 1u) * 8u;
+    if (bytes == 0 || rest.size() < bytes) return FrameOutcome::kMalformed;
+    next = rest[0];
+    rest = rest.subspan(bytes);
+  }
+  if (next == kProtocolUdp) return decode_udp(rest, datagram);
+  if (next != kFragment) return FrameOutcome::kIpv6;
+  if (rest.size() < kFragmentBytes) return FrameOutcome::kMalformed;
+  if (rest[0] != kProtocolUdp) return FrameOutcome::kIpv6;
+  const uint16_t offset_and_flags = read_u16(rest, 2);
+  return add_fragment(
+      {datagram.stamp, datagram.sender, destination, read_u32(rest, 4), offset_and_flags & 0xFFF8u,
+       (offset_and_flags & 1) != 0, rest.subspan(kFragmentBytes)},
+      datagram);
+}
+
+FrameOutcome UdpDecoder::add_fragment(const IpFragment& fragment, Datagram& datagram) {
   ++fragments_;
-  const std::span<const uint8_t> reassembled = table_.add(
-      {stamp, datagram.sender, read_u32(packet, 16), read_u16(packet, 4), offset, more, segment});
+  const std::span<const uint8_t> reassembled = table_.add(fragment);
   return reassembled.empty() ? FrameOutcome::kFragment : decode_udp(reassembled, datagram);
 }
 

@@ -12,15 +12,22 @@ namespace infuse::recording {
 enum class FrameOutcome {
   kDatagram,   ///< a complete UDP datagram
   kFragment,   ///< a fragment of an incomplete datagram
-  kIpv6,       ///< not decoded: Velodyne lidars send IPv4
+  kIpv6,       ///< IPv6, but not UDP
   kNotUdp,     ///< ARP, TCP …
   kTruncated,  ///< captured with a short snapshot length
   kMalformed,  ///< contradictory lengths
 };
 
-/// Decodes captured frames: link layer, IPv4 (with reassembly of fragments), UDP. Checksums are not
-/// verified. If IPv4's length exceeds the frame, UDP's is used where that fits: VeloView saves
-/// position packets with the IPv4 length of data packets.
+/// Stands for an IPv6 host where an IPv4 address is expected: an address of the class that nobody
+/// has (240.0.0.0 and up), with the last 28 bits of the host's.
+constexpr uint32_t ipv6_label(uint32_t last_four_bytes) {
+  return 0xF000'0000 | (last_four_bytes & 0x0FFF'FFFF);
+}
+
+/// Decodes captured frames: link layer, IPv4 and IPv6 (with reassembly of fragments), UDP. An IPv6
+/// sender is named by `ipv6_label`. Checksums are not verified. If IPv4's length exceeds the frame,
+/// UDP's is used where that fits: VeloView saves position packets with the IPv4 length of data
+/// packets.
 class UdpDecoder {
  public:
   /// `link_type` is libpcap's DLT_ number.
@@ -41,6 +48,12 @@ class UdpDecoder {
   void finish() { table_.drop_all(); }
 
  private:
+  FrameOutcome decode_ipv4(std::span<const uint8_t> packet, FrameOutcome too_short,
+                           Datagram& datagram);
+  FrameOutcome decode_ipv6(std::span<const uint8_t> packet, FrameOutcome too_short,
+                           Datagram& datagram);
+  FrameOutcome add_fragment(const IpFragment& fragment, Datagram& datagram);
+
   int link_type_;
   FragmentTable table_;
   uint64_t fragments_ = 0;

@@ -30,19 +30,30 @@ constexpr std::array<int32_t, 16> k16pTimes{0,      3'150,  6'300,  9'450,  13'2
 size_t firings_in_block(const ModelInfo& info) { return kChannels / info.lasers; }
 
 int32_t slot_time_ns(const ModelInfo& info, bool dual, size_t slot) {
-  if (info.model == Model::kHelios) return (dual ? kDualTimes : kSingleTimes)[slot];
-  return k16pTimes[slot % info.lasers] + static_cast<int32_t>(slot / info.lasers) * kBlockPeriodNs;
+  const auto channel = static_cast<int32_t>(slot % info.lasers);
+  switch (info.model) {
+    case Model::kHelios:
+      return (dual ? kDualTimes : kSingleTimes)[slot];
+    case Model::kHelios16p:
+      return k16pTimes[slot % info.lasers] +
+             static_cast<int32_t>(slot / info.lasers) * info.period_ns;
+    case Model::kBpearl:  // the manual's formula, A.1; the same with two returns
+      return 2'560 * (channel % 16) + 1'280 * (channel / 16) + 5'200 * (channel / 8 % 2);
+    case Model::kBpearlV4:  // the maker's driver: 1.668 µs each, rounded to 0.01 µs
+      return (1'668 * channel + 5) / 10 * 10;
+  }
+  return 0;
 }
 
 }  // namespace
 
 int max_step(const ModelInfo& info) {
-  const double block_s = 1e-9 * kBlockPeriodNs * static_cast<double>(firings_in_block(info));
+  const double block_s = 1e-9 * info.period_ns * static_cast<double>(firings_in_block(info));
   return static_cast<int>(std::ceil(kMaxTurnsPerSecond * lidar::kCentidegreesPerTurn * block_s));
 }
 
 BeamTable::BeamTable(Model model, const Calibration& calibration, bool single_origin)
-    : info_(&model_info(model)), origin_(single_origin ? 0 : kOriginM) {
+    : info_(&model_info(model)), origin_(single_origin ? 0 : info_->origin_m) {
   for (auto* table : {&forward_, &right_, &origin_forward_, &origin_right_}) {
     table->resize(kSteps * kChannels);
   }
@@ -51,11 +62,11 @@ BeamTable::BeamTable(Model model, const Calibration& calibration, bool single_or
 
 int32_t BeamTable::period_ns() const {
   const bool twice = info_->model == Model::kHelios16p && !dual_;
-  return twice ? 2 * kBlockPeriodNs : kBlockPeriodNs;
+  return twice ? 2 * info_->period_ns : info_->period_ns;
 }
 
 int32_t BeamTable::last_firing_ns() const {
-  const bool second = info_->model == Model::kHelios || !dual_;
+  const bool second = info_->model != Model::kHelios16p || !dual_;
   return *std::max_element(time_ns_.begin(), time_ns_.begin() + (second ? kChannels : 16));
 }
 
@@ -77,9 +88,9 @@ void BeamTable::rebuild(const Calibration& calibration, bool dual) {
       const double azimuth = turned + beam.azimuth_offset * lidar::kCentidegree;
       const size_t at = step * kChannels + slot;
       forward_[at] = static_cast<float>(horizontal * std::cos(azimuth));
-      right_[at] = static_cast<float>(horizontal * std::sin(azimuth));
+      right_[at] = side() * static_cast<float>(horizontal * std::sin(azimuth));
       origin_forward_[at] = static_cast<float>(origin_ * std::cos(turned));
-      origin_right_[at] = static_cast<float>(origin_ * std::sin(turned));
+      origin_right_[at] = side() * static_cast<float>(origin_ * std::sin(turned));
     }
   }
 }

@@ -8,19 +8,14 @@
 
 namespace infuse::robosense {
 
-/// Time from one firing of all channels to the next, ns: that of a block of an RS-Helios.
-inline constexpr int32_t kBlockPeriodNs = 55'556;
-
-/// Distance of the beams' origins from the axis of rotation, m.
-inline constexpr double kOriginM = 0.03498;
-
 /// Packet-independent data of one sensor's beams, laid out for the decoder by *slot*: the place of
 /// a unit in a block of one return. Of an RS-Helios-16P the slots 16 … 31 are the second firing of
 /// its 16 channels.
 ///
 /// A unit's azimuth is its block's, plus the part of the step to the next block by which the rotor
 /// turns until it fires, plus the channel's offset. The second is a table, one row for each step in
-/// 0.01°. Beams begin 35 mm before the axis of rotation, in the direction of the rotor's azimuth.
+/// 0.01°. Beams begin before the axis of rotation, in the direction of the rotor's azimuth. Of a
+/// sensor that turns anticlockwise azimuths are those of its mirror image.
 class BeamTable {
  public:
   /// One entry per slot.
@@ -46,6 +41,8 @@ class BeamTable {
   const Calibration& calibration() const { return calibration_; }
   const ModelInfo& info() const { return *info_; }
   bool dual() const { return dual_; }
+  /// −1 if the sensor turns anticlockwise, else 1: factor of the sine of an azimuth.
+  float side() const { return calibration_.anticlockwise ? -1.0F : 1.0F; }
   int32_t period_ns() const;  ///< from one block to the next (of two blocks of one firing: pair)
   int32_t last_firing_ns() const;                               ///< of a sequence, after its start
   const PerSlot<int32_t>& time_ns() const { return time_ns_; }  ///< after the sequence's start

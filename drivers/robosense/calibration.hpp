@@ -19,6 +19,7 @@ struct BeamAngles {
 /// Directions of all beams of a sensor by channel; entries from the model's `lasers` on are unused.
 struct Calibration {
   std::array<BeamAngles, kChannels> beams{};
+  bool anticlockwise = false;  ///< the rotor turns so, and its azimuth grows; RS-Bpearl only
 
   bool operator==(const Calibration&) const = default;
 
@@ -30,7 +31,7 @@ struct Calibration {
   std::array<uint16_t, kChannels> rings(const ModelInfo& info) const;
 };
 
-/// The model's nominal angles: those of an RS-Helios-5515 and of an RS-Helios-16P.
+/// The model's nominal angles; of an RS-Helios those of an RS-Helios-5515.
 const Calibration& built_in_calibration(Model model);
 
 }  // namespace infuse::robosense

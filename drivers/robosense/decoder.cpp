@@ -78,10 +78,11 @@ const char* Decoder::read_information(const Datagram& datagram) {
   const auto packet = parse_info_packet(datagram.payload);
   if (!packet) return "not an information packet";
   if (packet->mode) mode_ = packet->mode;
-  const bool stated = !packet->calibration.invalid(info_);
-  if (stated && calibration_source() != lidar::CalibrationSource::kFile) {
+  Calibration unit = packet->calibration;
+  unit.anticlockwise &= is_bpearl();
+  if (!unit.invalid(info_) && calibration_source() != lidar::CalibrationSource::kFile) {
     set_calibration_source(lidar::CalibrationSource::kStream);
-    if (packet->calibration != calibration()) table_.rebuild(packet->calibration, table_.dual());
+    if (unit != calibration()) table_.rebuild(unit, table_.dual());
   }
   if (packet->sentence) use(*packet->sentence, datagram.stamp);
   return nullptr;
@@ -103,7 +104,7 @@ void Decoder::observe(std::span<const uint8_t>, const lidar::PacketHeader& heade
   constexpr int64_t kMinPacketNs = 500'000, kMaxDualNs = 1'000'000, kMaxPacketNs = 1'600'000;
   if (verdict.arrival == lidar::Arrival::kLate) return;
   const int64_t elapsed_ns = header.counter.count() - newest_ns_;
-  const bool next = newest_number_ && *header.number == *newest_number_ + 1;
+  const bool next = newest_number_ && header.number && *header.number == *newest_number_ + 1;
   newest_ns_ = header.counter.count();
   newest_number_ = header.number;
   if (!is_16p()) return;
@@ -158,7 +159,7 @@ void Decoder::append(const lidar::HeldPacket& held, const lidar::FiringPlan& pla
       firing.row = table_.row(interpolate_ ? planned.step : uint16_t{0});
       firing.slot = k * info_.lasers;
       firing.cos_azimuth = azimuth.cos;
-      firing.sin_azimuth = azimuth.sin;
+      firing.sin_azimuth = table_.side() * azimuth.sin;
       firing.column = static_cast<uint16_t>(place.column + k);
       firing.time_offset_ns = place.time_offset_ns;
     }

@@ -34,6 +34,7 @@ class Decoder final : public lidar::LidarDecoder {
               size_t last, lidar::SweepWriter& writer) override;
 
   bool is_16p() const { return info_.model == Model::kHelios16p; }
+  bool is_bpearl() const { return info_.model >= Model::kBpearl; }
   ReturnMode mode_of(bool dual) const;
   void set_dual(bool dual);
   void use(const gnss::NmeaFix& sentence, Stamp stamp);

@@ -17,7 +17,7 @@ std::vector<uint8_t> example_packet(uint32_t index, double range) {
       bytes[at + i] = static_cast<uint8_t>(value >> (8 * (count - 1 - i)));
     }
   };
-  const double period_us = kBlockPeriodNs * 1e-3;
+  const double period_us = kHeliosPeriodNs * 1e-3;
   const double begin_us = index * period_us * kBlocks;
   put(0, 0x55AA055A, 4);
   put(12, index, 4);

@@ -18,6 +18,9 @@ int read_angle(std::span<const uint8_t> payload, size_t at) {
 }
 
 std::optional<ReturnMode> read_mode(uint8_t value) {
+  constexpr uint8_t kBpearlStrongest = 1, kBpearlLast = 2;  // versions 2 and 3
+  if (value == kBpearlStrongest) return ReturnMode::kStrongest;
+  if (value == kBpearlLast) return ReturnMode::kLast;
   const auto mode = static_cast<ReturnMode>(value);
   switch (mode) {
     case ReturnMode::kDual:
@@ -63,7 +66,8 @@ bool is_info_packet(std::span<const uint8_t> payload) {
 
 std::optional<InfoPacket> parse_info_packet(std::span<const uint8_t> payload) {
   constexpr size_t kMotorSpeed = 8, kReturnMode = 300, kTimeMode = 301, kSynchronised = 302;
-  constexpr size_t kSentence = 382, kSentenceSize = 86, kElevations = 468, kAzimuths = 564;
+  constexpr size_t kRotation = 337, kSentence = 382, kSentenceSize = 86, kElevations = 468,
+                   kAzimuths = 564;
   constexpr size_t kAngleSize = 3, kSoftware = 50, kSoftwareSize = 5;
   constexpr size_t kSerialNumber = 292, kSerialNumberSize = 6;
   if (!is_info_packet(payload)) return std::nullopt;
@@ -76,6 +80,7 @@ std::optional<InfoPacket> parse_info_packet(std::span<const uint8_t> payload) {
   packet.synchronised = payload[kSynchronised] == 1 || payload[kSynchronised] == 2;
   const auto* sentence = reinterpret_cast<const char*>(payload.data() + kSentence);
   packet.sentence = gnss::parse_nmea(std::string_view(sentence, kSentenceSize));
+  packet.calibration.anticlockwise = payload[kRotation] == 1;
   for (size_t channel = 0; channel < kChannels; ++channel) {
     packet.calibration.beams[channel] = {read_angle(payload, kElevations + channel * kAngleSize),
                                          read_angle(payload, kAzimuths + channel * kAngleSize)};

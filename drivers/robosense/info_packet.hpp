@@ -33,8 +33,8 @@ bool is_info_packet(std::span<const uint8_t> payload);
 /// Name of a time mode: "GPS", "PTP".
 const char* name_of(TimeMode mode);
 
-/// Parses a payload; nothing if it is no information packet. Source: the manual of RS-Helios-16P,
-/// 6.3 "DIFOP" and appendix B.
+/// Parses a payload; nothing if it is no information packet. Source: the manuals of RS-Helios-16P,
+/// 6.3 "DIFOP" and appendix B, and of RS-Bpearl, 5.3 and appendix B.
 std::optional<InfoPacket> parse_info_packet(std::span<const uint8_t> payload);
 
 }  // namespace infuse::robosense

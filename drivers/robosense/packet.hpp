@@ -30,7 +30,7 @@ enum class ReturnMode : uint8_t { kDual = 0, kStrongest = 4, kLast = 5, kFirst =
 /// Reason why bytes are not a data packet.
 enum class PacketFault : uint8_t {
   kSize,     ///< not 1248 bytes
-  kHeader,   ///< does not begin with 55 AA 05 5A
+  kHeader,   ///< does not begin as those of a supported model do
   kFlag,     ///< a block does not begin with FF EE
   kAzimuth,  ///< most azimuths are above 360°
   kTime,     ///< a second has no such microsecond, or the time is impossibly late
@@ -41,7 +41,7 @@ const char* describe(PacketFault fault);
 
 /// Header of a data packet and its blocks' azimuths. The returns stay in the payload.
 struct Packet {
-  uint32_t number = 0;      ///< counter of packets
+  std::optional<uint32_t> number;  ///< counter of packets; nothing: 0, as where there is none
   int64_t time_ns = 0;      ///< device time of the first firing: since 1970, or since power-up
   float distance_unit = 0;  ///< m
   bool repeats_azimuths = false;  ///< the blocks of each pair, but not all blocks, share an azimuth
@@ -56,7 +56,7 @@ bool is_data_packet(std::span<const uint8_t> payload);
 /// True if a payload begins as data packets of other RoboSense lidars do.
 bool is_foreign_data_packet(std::span<const uint8_t> payload);
 
-/// Parses a data packet: the manual of RS-Helios-16P, 6.2 "MSOP".
+/// Parses a data packet: the manuals of RS-Helios-16P, 6.2 "MSOP", and of RS-Bpearl, 5.2 "MSOP".
 tl::expected<Packet, PacketFault> parse_packet(std::span<const uint8_t> payload);
 
 /// Name of a mode: "strongest return".

@@ -70,7 +70,7 @@ class Maker final : public lidar::LidarMaker {
   }
 
   Duration example_period(const lidar::LidarModel&) const override {
-    return Duration(int64_t{kBlockPeriodNs} * static_cast<int64_t>(kBlocks));
+    return Duration(int64_t{kHeliosPeriodNs} * static_cast<int64_t>(kBlocks));
   }
 
   lidar::RosPackets ros_packets() const override { return lidar::RosPackets::kRslidarPacket; }

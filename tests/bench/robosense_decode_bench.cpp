@@ -44,8 +44,8 @@ void decode_plainly(const BeamTable& table, const std::vector<uint8_t>& bytes,
           packet->azimuth[block] * lidar::kCentidegree + kTurnedPerNs * table.time_ns()[channel];
       const double azimuth = rotor + beam.azimuth_offset * lidar::kCentidegree;
       const double flat = range * std::cos(elevation);
-      const double x = flat * std::cos(azimuth) + kOriginM * std::cos(rotor);
-      const double y = -flat * std::sin(azimuth) - kOriginM * std::sin(rotor);
+      const double x = flat * std::cos(azimuth) + table.info().origin_m * std::cos(rotor);
+      const double y = -flat * std::sin(azimuth) - table.info().origin_m * std::sin(rotor);
       cloud.push_back({static_cast<float>(x), static_cast<float>(y),
                        static_cast<float>(range * std::sin(elevation)), static_cast<float>(range),
                        static_cast<float>(bytes[unit + 2]) / 255.0F,

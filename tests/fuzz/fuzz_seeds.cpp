@@ -2,6 +2,7 @@
 // after every family of mutations; captures of every link type; a small sound file of every kind.
 // Usage: fuzz_seeds FOLDER, in the folder of the sources.
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -69,17 +70,18 @@ void write_hesai_packets(const std::filesystem::path& folder) {
 
 /// As robosense_packet_fuzz reads it: the model, then data packets around an information packet.
 void write_robosense_packets(const std::filesystem::path& folder) {
-  for (const int lasers : {32, 16}) {
+  const std::array<robosense::PlainModel, 4> models{{32, 16, {32, 3}, {32, 4}}};
+  for (size_t model = 0; model < models.size(); ++model) {
     for (const bool dual : {false, true}) {
-      const auto packets = robosense::make_turns(lasers, dual, 0.05);
+      const auto packets = robosense::make_turns(models[model], dual, 0.05);
       const std::vector<int> elevations{1494, 1303, 1092}, azimuths{-405, 361, -400};
       const auto info = robosense::make_info_packet(elevations, azimuths, dual ? 0 : 4);
-      std::vector<uint8_t> bytes = {static_cast<uint8_t>(lasers == 32 ? 0 : 1)};
+      std::vector<uint8_t> bytes = {static_cast<uint8_t>(model)};
       for (size_t i = 0; i < std::min(packets.size(), kPacketsEach); ++i) {
         bytes.insert(bytes.end(), packets[i].payload.begin(), packets[i].payload.end());
         if (i == 1) bytes.insert(bytes.end(), info.begin(), info.end());
       }
-      write_seed(folder / (std::to_string(lasers) + (dual ? "_dual" : "_single")), bytes);
+      write_seed(folder / (std::to_string(model) + (dual ? "_dual" : "_single")), bytes);
     }
   }
 }
@@ -396,7 +398,7 @@ int main(int argc, char** argv) {
   write_images(folder);
   write_sweep(folder);
   write_seed(folder / "saved_calibrations_fuzz" / "frozen",
-             daemon::format_calibrations({{.camera = "front", .frozen = true}}));
+             daemon::format_calibrations({.cameras = {{.camera = "front", .frozen = true}}}));
   write_copy(folder / "config_fuzz" / "demo", "fixtures/demo/infused.toml");
   write_copy(folder / "config_fuzz" / "example", "packaging/examples/infused.toml");
   write_copy(folder / "rig_toml_fuzz" / "tutorial", "docs/tutorials/rig.toml");

@@ -37,7 +37,7 @@ class DriveExport {
   }
 
   void write(const recording::DriveEvent& event) {
-    if (!started_) messages_.write_transforms(event.stamp);
+    if (!started_) messages_.write_constants(event.stamp);
     started_ = true;
     if (const auto* datagram = std::get_if<recording::DatagramEvent>(&event.content)) {
       write_datagram(*datagram);

@@ -192,8 +192,13 @@ TEST_F(InspectTest, MessagesGiveTheRightReasons) {
   const RawCapture capture = make(Model::kVlp16, 0.2);
   RawCapture ipv6 = capture;
   for (RawCapture::Record& record : ipv6.records) {
-    record.frame[12] = 0x86;
+    record.frame[12] = 0x86;  // an IPv6 packet of the same length, of ICMPv6
     record.frame[13] = 0xDD;
+    const size_t length = record.frame.size() - 14 - 40;
+    record.frame[14] = 0x60;
+    record.frame[18] = static_cast<uint8_t>(length >> 8);
+    record.frame[19] = static_cast<uint8_t>(length);
+    record.frame[20] = 58;
   }
   const Inspection six = inspect(ipv6);
   EXPECT_EQ(six.code, 1);

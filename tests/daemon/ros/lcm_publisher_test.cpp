@@ -14,6 +14,7 @@ MessageSetup one_lidar() {
   MessageSetup setup{.live = true};
   setup.rig.lidars = {LidarMount{.name = "top"}};
   setup.packet_makers = {&velodyne::maker()};
+  setup.packet_metadata = {""};
   return setup;
 }
 

@@ -57,6 +57,7 @@ MessageSetup setup(bool live) {
   MessageSetup messages{.live = live};
   messages.rig.lidars = {LidarMount{.name = "top"}};
   messages.packet_makers = {&velodyne::maker()};
+  messages.packet_metadata = {""};
   messages.has_motion = true;
   return messages;
 }

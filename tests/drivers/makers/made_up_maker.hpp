@@ -1,39 +1,33 @@
 #pragma once
 
-#include <array>
-
 #include "drivers/lidar/lidar_maker.hpp"
 #include "drivers/lidar/little_endian.hpp"
 
 /// A maker that does not exist. Its packet: "Rng!", number (u32), device time (u64, ns); then 8
-/// times azimuth (u16, 0.01°) and the distances of 4 beams (u16, cm), 100 µs apart.
+/// times azimuth (u16, 0.01°) and the distances of 4 beams (u16, cm), 0.1 rad and 100 µs apart.
 namespace infuse::made_up {
 
 inline constexpr size_t kSequences = 8, kBeams = 4, kHeader = 16, kBlock = 2 + 2 * kBeams;
 inline constexpr size_t kPacket = kHeader + kSequences * kBlock;
 inline constexpr uint32_t kMark = 0x21676E52;
 inline constexpr Duration kPeriod{100'000};
-inline constexpr std::array kElevations{-0.2, -0.1, 0.0, 0.1};  // rad
 
 inline Duration read_time(std::span<const uint8_t> payload) {
   return Duration(static_cast<int64_t>(lidar::read_u64(&payload[8])));
 }
 
-class Decoder final : public lidar::LidarDecoder {
- public:
+struct Decoder final : lidar::LidarDecoder {
   explicit Decoder(const lidar::DecoderOptions& options)
       : LidarDecoder(options, {.modulo = Duration(0), .synchronised = ClockState::Source::kUtc},
                      {kPeriod.count(), 108}) {}
 
- private:
   const char* parse(std::span<const uint8_t> payload, lidar::PacketHeader& header) const override {
     if (payload.size() != kPacket) return "the payload is not 96 bytes";
     header.number = lidar::read_u32(&payload[4]);
     header.counter = read_time(payload);
     header.sequences = kSequences;
-    for (size_t i = 0; i < kSequences; ++i) {
+    for (size_t i = 0; i < kSequences; ++i)
       header.azimuth[i] = lidar::read_u16(&payload[kHeader + i * kBlock]);
-    }
     return nullptr;
   }
 
@@ -46,9 +40,8 @@ class Decoder final : public lidar::LidarDecoder {
       const auto place = writer.add_sequence(planned, packet.device_ns + planned.time_ns, 1);
       for (uint16_t beam = 0; beam < kBeams; ++beam) {
         const int cm = lidar::read_u16(&packet.payload[kHeader + i * kBlock + 2 + 2 * beam]);
-        auto found = lidar::polar_return(cm * 0.01, planned.azimuth * lidar::kCentidegree,
-                                         kElevations[beam]);
-        found.reflectivity = 0.5F;
+        auto found =
+            lidar::polar_return(cm * 0.01, planned.azimuth * lidar::kCentidegree, 0.1 * beam - 0.2);
         found.ring = beam;
         found.column = place.column;
         found.time_offset_ns = place.time_offset_ns;
@@ -59,8 +52,7 @@ class Decoder final : public lidar::LidarDecoder {
   }
 };
 
-class Maker final : public lidar::LidarMaker {
- public:
+struct Maker final : lidar::LidarMaker {
   Maker() : LidarMaker("Made up", {7777, 7777}, {{.name = "Ringer 4", .beams = kBeams}}) {}
 
   lidar::PacketClass classify(std::span<const uint8_t> payload) const override {
@@ -77,9 +69,7 @@ class Maker final : public lidar::LidarMaker {
   }
 };
 
-inline const Maker& maker() {
-  static const Maker maker;
-  return maker;
-}
+inline const Maker only_maker;
+inline const Maker& maker() { return only_maker; }
 
 }  // namespace infuse::made_up

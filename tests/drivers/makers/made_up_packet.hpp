@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -7,6 +8,8 @@
 #include "tests/drivers/makers/made_up_maker.hpp"
 
 namespace infuse::made_up {
+
+inline constexpr std::array kElevations{-0.2, -0.1, 0.0, 0.1};  // rad
 
 inline const lidar::LidarModel& model() { return maker().models()[0]; }
 

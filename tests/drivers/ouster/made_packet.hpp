@@ -49,25 +49,36 @@ inline void put_pixel(std::vector<uint8_t>& bytes, Profile profile, const MadePi
   switch (profile) {
     case Profile::kLegacy:
     case Profile::kRng19:
+    case Profile::kRng19Zone:
       word(pixel.range);
       word(pixel.reflectivity | 0x1234u << 16);  // signal in the upper half
-      return word(pixel.near_infrared);
+      return word(pixel.near_infrared | (profile == Profile::kRng19Zone ? 0x5678u << 16 : 0));
     case Profile::kRng19Dual:
       word(pixel.range | first);
       word(pixel.range2 | second);
       word(0x12345678);  // signals
       return word(pixel.near_infrared);
+    case Profile::kRng19ZoneDual:
+      word(pixel.range | first);
+      word(pixel.range2 | second);
+      word(0x12345678);         // signals
+      return word(0x9A005678);  // window, zones
     case Profile::kRng15:
+    case Profile::kRng15Window:
       return word(pixel.range / 8 | first >> 8 | static_cast<uint32_t>(pixel.near_infrared) << 24);
+    case Profile::kRng15Zone:
+      word(pixel.range / 8 | first >> 8 | static_cast<uint32_t>(pixel.near_infrared) << 24);
+      return word(0x009A5678);  // window, zones
     case Profile::kFusaDual:
+    case Profile::kRng15Dual:
       word(pixel.range / 8 | first >> 8 | static_cast<uint32_t>(pixel.near_infrared) << 24);
       return word(pixel.range2 / 8 | second >> 8);
   }
 }
 
 /// Appends the packet's header of 32 bytes.
-inline void put_header(std::vector<uint8_t>& bytes, Profile profile, const MadePacket& packet) {
-  if (profile == Profile::kFusaDual) {
+inline void put_header(std::vector<uint8_t>& bytes, bool fusa, const MadePacket& packet) {
+  if (fusa) {
     put<uint32_t>(bytes, packet.type | packet.initialization_id << 8);
     put<uint32_t>(bytes, packet.frame_id);
     bytes.resize(11);
@@ -86,7 +97,7 @@ inline void put_header(std::vector<uint8_t>& bytes, Profile profile, const MadeP
 inline std::vector<uint8_t> made_packet(const Metadata& metadata, const MadePacket& packet) {
   std::vector<uint8_t> bytes;
   const bool legacy = metadata.profile == Profile::kLegacy;
-  if (!legacy) put_header(bytes, metadata.profile, packet);
+  if (!legacy) put_header(bytes, metadata.fusa_header, packet);
   for (uint16_t i = 0; i < metadata.columns_per_packet; ++i) {
     const int id = packet.first_measurement_id + i;
     const auto measurement_id = static_cast<uint16_t>(id % metadata.columns_per_turn);

@@ -49,6 +49,7 @@ TEST(OusterMetadata, ReadsBothLayoutsAlike) {
 
 TEST(OusterMetadata, FillsInWhatOldFirmwareLeavesOut) {
   const auto metadata = parse(R"({"prod_line": "OS-1-16-A0", "lidar_mode": "2048x10",
+    "lidar_data_format": "error: Command not recognized.",
     "beam_altitude_angles": [7, 5, 3, 1, -1, -3, -5, -7],
     "beam_azimuth_angles": [1, 1, 1, 1, 1, 1, 1, 1]})");
   ASSERT_TRUE(metadata) << metadata.error().message();
@@ -63,6 +64,21 @@ TEST(OusterMetadata, FillsInWhatOldFirmwareLeavesOut) {
   EXPECT_DOUBLE_EQ(metadata->T_sensor_lidar.translation().z(), 0.03618);
   EXPECT_EQ(metadata->lidar_port, 7502);
   EXPECT_EQ(metadata->imu_port, 7503);
+}
+
+TEST(OusterMetadata, ReadsWhatNewFirmwareStatesOfPackets) {
+  const auto with = [](const std::string& profile, const std::string& more) {
+    std::string text = made_metadata({.profile = profile});
+    const std::string key = "\"udp_profile_lidar\"";
+    return parse(text.replace(text.find(key), key.size(), more + ", " + key));
+  };
+  EXPECT_TRUE(parse(made_metadata({.profile = "FUSA_RNG15_RFL8_NIR8_DUAL"}))->fusa_header);
+  EXPECT_FALSE(parse(made_metadata({.profile = "RNG15_RFL8_NIR8_DUAL"}))->fusa_header);
+  EXPECT_TRUE(with("RNG15_RFL8_NIR8_DUAL", R"("header_type": "FUSA")")->fusa_header);
+  EXPECT_FALSE(with("FUSA_RNG15_RFL8_NIR8_DUAL", R"("header_type": "STANDARD")")->fusa_header);
+  EXPECT_FALSE(with("RNG15_RFL8_WIN8", R"("udp_profile_imu": "LEGACY")")->has_other_imu);
+  EXPECT_TRUE(
+      with("RNG15_RFL8_WIN8", R"("udp_profile_imu": "ACCEL32_GYRO32_NMEA")")->has_other_imu);
 }
 
 TEST(OusterMetadata, CountsTheColumnsOfAWindowThatWraps) {

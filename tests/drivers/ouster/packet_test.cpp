@@ -22,15 +22,18 @@ class OusterPacket : public testing::TestWithParam<ProfileInfo> {};
 
 TEST_P(OusterPacket, HasTheSizesOfTheManual) {
   const std::map<std::pair<Profile, size_t>, size_t> sizes{
-      {{Profile::kLegacy, 16}, 3392},      {{Profile::kLegacy, 32}, 6464},
-      {{Profile::kLegacy, 64}, 12'608},    {{Profile::kLegacy, 128}, 24'896},
-      {{Profile::kRng19, 16}, 3328},       {{Profile::kRng19, 32}, 6400},
-      {{Profile::kRng19, 64}, 12'544},     {{Profile::kRng19, 128}, 24'832},
-      {{Profile::kRng19Dual, 16}, 4352},   {{Profile::kRng19Dual, 32}, 8448},
-      {{Profile::kRng19Dual, 64}, 16'640}, {{Profile::kRng19Dual, 128}, 33'024},
-      {{Profile::kRng15, 16}, 1280},       {{Profile::kRng15, 32}, 2304},
-      {{Profile::kRng15, 64}, 4352},       {{Profile::kRng15, 128}, 8448},
-      {{Profile::kFusaDual, 64}, 8448},    {{Profile::kFusaDual, 128}, 16'640}};
+      {{Profile::kLegacy, 16}, 3392},          {{Profile::kLegacy, 32}, 6464},
+      {{Profile::kLegacy, 64}, 12'608},        {{Profile::kLegacy, 128}, 24'896},
+      {{Profile::kRng19, 16}, 3328},           {{Profile::kRng19, 32}, 6400},
+      {{Profile::kRng19, 64}, 12'544},         {{Profile::kRng19, 128}, 24'832},
+      {{Profile::kRng19Dual, 16}, 4352},       {{Profile::kRng19Dual, 32}, 8448},
+      {{Profile::kRng19Dual, 64}, 16'640},     {{Profile::kRng19Dual, 128}, 33'024},
+      {{Profile::kRng15, 16}, 1280},           {{Profile::kRng15, 32}, 2304},
+      {{Profile::kRng15, 64}, 4352},           {{Profile::kRng15, 128}, 8448},
+      {{Profile::kFusaDual, 64}, 8448},        {{Profile::kFusaDual, 128}, 16'640},
+      {{Profile::kRng15Dual, 128}, 16'640},    {{Profile::kRng15Zone, 128}, 16'640},
+      {{Profile::kRng15Window, 128}, 8448},    {{Profile::kRng19Zone, 128}, 24'832},
+      {{Profile::kRng19ZoneDual, 128}, 33'024}};
   for (const auto& [key, bytes] : sizes) {
     if (key.first != GetParam().profile) continue;
     EXPECT_EQ(PacketLayout(sensor(key.first, key.second)).packet_bytes(), bytes) << key.second;
@@ -70,6 +73,7 @@ TEST_P(OusterPacket, ReadsHeadsAndFields) {
         ASSERT_EQ(GetParam().echo[1].range.read(pixel), 16 * (1008 + i + beam));
         ASSERT_EQ(GetParam().echo[1].reflectivity.read(pixel), 2 * beam);
       }
+      if (GetParam().near_infrared.bits == 0) continue;
       ASSERT_EQ(GetParam().near_infrared.read(pixel), beam * GetParam().near_infrared.unit);
     }
   }
@@ -126,6 +130,21 @@ TEST(OusterPacket, TakesTheFrameIdOfTheFirstValidColumn) {
   auto payload = made_packet(metadata, {.frame_id = 7, .invalid_columns = 1});
   payload[10] = 99;
   EXPECT_EQ(parse_packet(PacketLayout(metadata), payload)->frame_id, 7u);
+}
+
+/// Firmware from 3.2 on states the layout of the header apart from that of the pixels.
+TEST(OusterPacket, HasTheHeaderThatTheMetadataStates) {
+  Metadata metadata = sensor(Profile::kRng15Dual);
+  EXPECT_FALSE(metadata.fusa_header);
+  metadata.fusa_header = true;
+  const auto payload = made_packet(metadata, {.frame_id = 0x12345678});
+  const auto packet = parse_packet(PacketLayout(metadata), payload);
+  ASSERT_TRUE(packet);
+  EXPECT_EQ(packet->frame_id, 0x12345678u);
+  EXPECT_EQ(packet->serial_number, 992'110'000'123u);
+  const auto head = read_head(payload);
+  ASSERT_TRUE(head);
+  EXPECT_EQ(head->serial_number, 992'110'000'123u);
 }
 
 }  // namespace

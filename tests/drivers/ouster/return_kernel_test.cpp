@@ -32,7 +32,7 @@ Metadata tilted_sensor(Profile profile, size_t beams) {
 }
 
 MadePixel random_pixel(std::mt19937& random, Profile profile) {
-  const uint32_t unit = profile == Profile::kRng15 || profile == Profile::kFusaDual ? 8 : 1;
+  const uint32_t unit = profile_info(profile).name.find("RNG15") != std::string_view::npos ? 8 : 1;
   const uint32_t bits = profile == Profile::kLegacy ? 20 : unit == 8 ? 15 : 19;
   const auto range = [&] {
     const auto value = static_cast<uint32_t>(random()) & ((uint32_t{1} << bits) - 1);
@@ -182,7 +182,9 @@ TEST_P(OusterTwoReturns, HaveTheirKinds) {
 
 INSTANTIATE_TEST_SUITE_P(Profiles, OusterReturnKernel,
                          testing::Values(Profile::kLegacy, Profile::kRng19, Profile::kRng19Dual,
-                                         Profile::kRng15, Profile::kFusaDual));
+                                         Profile::kRng15, Profile::kFusaDual, Profile::kRng15Dual,
+                                         Profile::kRng15Zone, Profile::kRng15Window,
+                                         Profile::kRng19Zone, Profile::kRng19ZoneDual));
 INSTANTIATE_TEST_SUITE_P(Profiles, OusterTwoReturns,
                          testing::Values(Profile::kRng19Dual, Profile::kFusaDual));
 

@@ -78,6 +78,38 @@ inline Bytes ipv4(const Bytes& payload, const Ipv4& header = {}) {
   return bytes;
 }
 
+/// An extension header in front of the payload, or what a fragment header says.
+struct Ipv6 {
+  uint32_t sender = kSender;  // the last four bytes of the address
+  uint8_t protocol = 17;
+  uint32_t identification = 0;
+  size_t offset = 0;  // bytes
+  bool more = false, fragment = false, options = false;
+};
+
+inline Bytes ipv6(const Bytes& payload, const Ipv6& header = {}) {
+  Bytes inner;
+  const uint8_t first = header.fragment ? 44 : header.protocol;
+  if (header.options) add(inner, {first, 1, 1, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
+  if (header.fragment) {
+    add(inner, {header.protocol, 0});
+    add_be16(inner, static_cast<uint32_t>(header.offset | (header.more ? 1 : 0)));
+    add_be32(inner, header.identification);
+  }
+  add(inner, payload);
+  Bytes bytes{0x60, 0, 0, 0};
+  add_be16(bytes, static_cast<uint32_t>(inner.size()));
+  add(bytes, {header.options ? uint8_t{60} : first, 64});
+  for (const uint32_t end : {header.sender, kReceiver}) {
+    add_be32(bytes, 0xFE800000);
+    add_be32(bytes, 0);
+    add_be32(bytes, 0x655B4978);
+    add_be32(bytes, end);
+  }
+  add(bytes, inner);
+  return bytes;
+}
+
 // `tags`: pairs (EtherType of the tag, tag control information).
 inline Bytes ethernet(const Bytes& packet,
                       const std::vector<std::pair<uint16_t, uint16_t>>& tags = {},

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <random>
 
+#include "drivers/measurement/ipv4_address.hpp"
 #include "tests/drivers/recording/capture_bytes.hpp"
 #include "tests/real_data.hpp"
 
@@ -142,7 +143,7 @@ TEST(PcapReader, CountsSkippedPackets) {
       pcap(kEthernet, {
                           {1, 0, ethernet(packet)},
                           {1, 0, ethernet(Bytes(28, 0), {}, 0x0806)},                 // ARP
-                          {1, 0, ethernet(Bytes(60, 0x60), {}, 0x86DD)},              // IPv6
+                          {1, 0, ethernet(Bytes(30, 0x60), {}, 0x86DD)},              // IPv6
                           {1, 0, ethernet(ipv4(make_payload(40), {.protocol = 6}))},  // TCP
                           {1, 0, ethernet(packet), 1},
                           {1, 0, ethernet(packet), 120},
@@ -155,10 +156,43 @@ TEST(PcapReader, CountsSkippedPackets) {
                       }));
   EXPECT_EQ(outcome.counters.packets, 12u);
   EXPECT_EQ(outcome.counters.datagrams, 2u);  // the length of UDP fits where that of IPv4 does not
-  EXPECT_EQ(outcome.counters.ipv6, 1u);
   EXPECT_EQ(outcome.counters.not_udp, 2u);
   EXPECT_EQ(outcome.counters.truncated, 3u);
-  EXPECT_EQ(outcome.counters.malformed, 4u);
+  EXPECT_EQ(outcome.counters.malformed, 5u);
+}
+
+/// Ousters send IPv6 to a host whose name has such an address.
+TEST(PcapReader, DatagramsAndFragmentsOfIpv6AreRead) {
+  const Bytes large = udp(make_payload(3'000, 5), 7502, 7502);
+  const auto part = [&](size_t from, size_t size, bool more) {
+    const auto begin = large.begin() + static_cast<ptrdiff_t>(from);
+    return ethernet(
+        ipv6(Bytes(begin, begin + static_cast<ptrdiff_t>(size)),
+             {.identification = 70'000, .offset = from, .more = more, .fragment = true}),
+        {}, 0x86DD);
+  };
+  Bytes bad_option = ipv6(udp(make_payload(10)), {.options = true});
+  bad_option[41] = 200;
+  const PcapOutcome outcome = read_pcap(pcap(
+      kEthernet, {
+                     {1, 0, ethernet(ipv6(udp(make_payload(100))), {}, 0x86DD)},
+                     {2, 0, ethernet(ipv6(udp(make_payload(90)), {.options = true}), {}, 0x86DD)},
+                     {3, 0, part(1'448, 1'448, true)},
+                     {3, 1, part(0, 1'448, true)},
+                     {3, 2, part(2'896, large.size() - 2'896, false)},
+                     {4, 0, ethernet(ipv6(make_payload(40), {.protocol = 58}), {}, 0x86DD)},
+                     {5, 0, ethernet(bad_option, {}, 0x86DD)},
+                 }));
+  ASSERT_EQ(outcome.datagrams.size(), 3u);
+  EXPECT_EQ(outcome.datagrams[0].payload, make_payload(100));
+  EXPECT_EQ(outcome.datagrams[1].payload, make_payload(90));
+  EXPECT_EQ(outcome.datagrams[2].payload, make_payload(3'000, 5));
+  EXPECT_EQ(outcome.datagrams[2].port, 7502);
+  EXPECT_EQ(outcome.datagrams[2].sender, 0xF0A801C9u);
+  EXPECT_EQ(address_text(outcome.datagrams[2].sender), "IPv6 ...0a8:01c9");
+  EXPECT_EQ(outcome.counters.fragments, 3u);
+  EXPECT_EQ(outcome.counters.ipv6, 1u);
+  EXPECT_EQ(outcome.counters.malformed, 1u);
 }
 
 // Cuts a UDP datagram into fragments of `size` bytes (a multiple of 8).

@@ -34,29 +34,32 @@ struct MadeAngles {
   std::vector<int> elevations, azimuths;
 };
 
-Model model_with(int lasers) { return lasers == 16 ? Model::kHelios16p : Model::kHelios; }
+Model model_of(PlainModel plain) {
+  if (plain.bpearl != 0) return plain.bpearl == 4 ? Model::kBpearlV4 : Model::kBpearl;
+  return plain.lasers == 16 ? Model::kHelios16p : Model::kHelios;
+}
 
 struct Case {
-  int lasers;
+  PlainModel model;
   bool dual;
 };
 
 class RobosenseDecoder : public testing::TestWithParam<Case> {};
 
 TEST_P(RobosenseDecoder, GivesEveryReturnAtTheUnitsOwnAngles) {
-  const auto [lasers, dual] = GetParam();
-  const MadeAngles angles(lasers);
-  std::vector<SentPacket> packets = make_turns(lasers, dual, 1.3);
-  const auto firings = plain_decode(lasers, dual, data_payloads(packets), ReturnKind::kLast);
-  packets.insert(packets.begin(), angles.packet(dual ? 0 : 5));
+  const auto [model, dual] = GetParam();
+  const MadeAngles angles(model.lasers);
+  std::vector<SentPacket> packets = make_turns(model, dual, 1.3);
+  const auto firings = plain_decode(model, dual, data_payloads(packets), ReturnKind::kLast);
+  packets.insert(packets.begin(), angles.packet(dual ? 0 : model.bpearl == 3 ? 2 : 5));
   for (const InstructionSet set : {InstructionSet::kBaseline, InstructionSet::kAvx2}) {
     if (!supported(set)) continue;
-    Decoder decoder({.model = &lidar_model(model_with(lasers)), .instruction_set = set});
+    Decoder decoder({.model = &lidar_model(model_of(model)), .instruction_set = set});
     EXPECT_TRUE(decoder.is_uncalibrated());
     const auto sweeps = assemble(decoder, packets);
     ASSERT_EQ(sweeps.size(), 3u);
-    EXPECT_EQ(sweeps[0].rings, lasers);
-    EXPECT_GT(expect_equal(sweeps, firings, angles.plain()), 10'000u);
+    EXPECT_EQ(sweeps[0].rings, model.lasers);
+    EXPECT_GT(expect_equal(sweeps, firings, angles.plain(), model), 10'000u);
     EXPECT_TRUE(sweeps[1].gaps.empty());
     EXPECT_FALSE(decoder.is_uncalibrated());
     EXPECT_EQ(decoder.calibration_source(), lidar::CalibrationSource::kStream);
@@ -74,9 +77,9 @@ TEST_P(RobosenseDecoder, GivesEveryReturnAtTheUnitsOwnAngles) {
 
 /// Before an information packet: nominal angles, and the number of returns that packets show.
 TEST_P(RobosenseDecoder, KnowsTheNumberOfReturnsFromThePackets) {
-  const auto [lasers, dual] = GetParam();
-  const auto packets = make_turns(lasers, dual, 0.4);
-  Decoder decoder({.model = &lidar_model(model_with(lasers))});
+  const auto [model, dual] = GetParam();
+  const auto packets = make_turns(model, dual, 0.4);
+  Decoder decoder({.model = &lidar_model(model_of(model))});
   const auto sweeps = assemble(decoder, packets);
   size_t returns = 0, second = 0;
   for (const Sweep& sweep : sweeps) {
@@ -86,7 +89,7 @@ TEST_P(RobosenseDecoder, KnowsTheNumberOfReturnsFromThePackets) {
     }
   }
   size_t expected = 0;
-  for (const PlainFiring& firing : plain_decode(lasers, dual, data_payloads(packets))) {
+  for (const PlainFiring& firing : plain_decode(model, dual, data_payloads(packets))) {
     expected += firing.returns.size();
   }
   EXPECT_EQ(returns, expected);
@@ -97,7 +100,31 @@ TEST_P(RobosenseDecoder, KnowsTheNumberOfReturnsFromThePackets) {
 
 INSTANTIATE_TEST_SUITE_P(Modes, RobosenseDecoder,
                          testing::Values(Case{32, false}, Case{32, true}, Case{16, false},
-                                         Case{16, true}));
+                                         Case{16, true}, Case{{32, 3}, false}, Case{{32, 3}, true},
+                                         Case{{32, 4}, false}, Case{{32, 4}, true}));
+
+TEST(RobosenseDecoding, ABpearlThatTurnsAnticlockwiseIsMirrored) {
+  const MadeAngles angles(32);
+  const PlainModel model(32, 3);
+  std::vector<SentPacket> packets = make_turns(model, false, 0.4);
+  const auto firings = plain_decode(model, false, data_payloads(packets));
+  packets.insert(packets.begin(), angles.packet(1));
+  packets[0].payload[337] = 1;
+  Decoder decoder({.model = &lidar_model(Model::kBpearl)});
+  EXPECT_GT(expect_equal(assemble(decoder, packets), firings, angles.plain(), model, true), 5'000u);
+}
+
+/// Versions before 3 count no packets: all their numbers are 0.
+TEST(RobosenseDecoding, LossesWithoutNumbersAreCountedByTime) {
+  auto packets = make_turns({32, 3}, false, 2.5);
+  for (SentPacket& packet : packets) put(packet.payload, 12, 0, 4);
+  const auto middle = packets.begin() + static_cast<ptrdiff_t>(packets.size() / 2);
+  packets.erase(middle, middle + 5);
+  Decoder decoder({.model = &lidar_model(Model::kBpearl)});
+  assemble(decoder, packets);
+  EXPECT_EQ(decoder.counters().lost_network, 5u);
+  EXPECT_EQ(decoder.counters().duplicates, 0u);
+}
 
 TEST(RobosenseDecoding, CountsLossesByNumber) {
   auto packets = make_turns(32, false, 2.5);
@@ -176,8 +203,8 @@ TEST(RobosenseDecoding, AllocatesNothingAfterWarmUp) {
 /// Damaged packets are refused or decoded, and each is counted once.
 TEST(RobosenseDecoding, DamageIsCounted) {
   std::mt19937 random(5);
-  for (const int lasers : {32, 16}) {
-    auto packets = make_turns(lasers, random() % 2 == 0, 3);
+  for (const PlainModel& model : {PlainModel(32), PlainModel(16), PlainModel(32, 3)}) {
+    auto packets = make_turns(model, random() % 2 == 0, 3);
     size_t damaged = 0;
     for (SentPacket& packet : packets) {
       if (random() % 4 != 0) continue;
@@ -186,7 +213,7 @@ TEST(RobosenseDecoding, DamageIsCounted) {
       ++damaged;
     }
     ASSERT_GT(damaged, 10u);
-    Decoder decoder({.model = &lidar_model(model_with(lasers))});
+    Decoder decoder({.model = &lidar_model(model_of(model))});
     const auto sweeps = assemble(decoder, packets);
     EXPECT_GE(sweeps.size(), 3u);
     const lidar::PacketCounters& counters = decoder.counters();
@@ -220,6 +247,20 @@ TEST(RobosenseMaker, InfersTheModelThatPacketsState) {
   EXPECT_EQ(infer(7, 0), &lidar_model(Model::kHelios16p));
   EXPECT_EQ(infer(0, 6), &lidar_model(Model::kHelios));  // newer firmware: one byte further
   EXPECT_EQ(infer(4, 0), nullptr);
+  const auto infer_older = [&](uint32_t types) {
+    auto packet = make_bpearl_packet(4, 1, 1, 700, azimuths);
+    put(packet, 30, types, 3);
+    const auto inference = maker().make_inference();
+    for (int i = 0; i < 20; ++i) inference->add(packet);
+    return inference->judge();
+  };
+  EXPECT_EQ(infer_older(0x030000), &lidar_model(Model::kBpearl));
+  EXPECT_EQ(infer_older(0x000304), &lidar_model(Model::kBpearlV4));
+  EXPECT_EQ(infer_older(0x030304), &lidar_model(Model::kBpearlV4));
+  EXPECT_EQ(infer_older(0x010000), nullptr);  // RS-LiDAR-16: RoboSense's, but not known
+  auto ruby = make_bpearl_packet(4, 1, 1, 700, azimuths);
+  put(ruby, 30, 0x040000, 3);
+  EXPECT_EQ(maker().classify(ruby), lidar::PacketClass::kData);
 }
 
 TEST(RobosenseMaker, TellsPacketsByTheirFirstBytes) {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <ctime>
 #include <random>
 #include <span>
 #include <string>
@@ -10,6 +11,15 @@
 #include "drivers/measurement/datagram.hpp"
 
 namespace infuse::robosense {
+
+/// What the layout of packets depends on. Number of beams of an RS-Helios, or the version of an
+/// RS-Bpearl (3, 4).
+struct PlainModel {
+  PlainModel(int beams, int bpearl_version = 0) : lasers(beams), bpearl(bpearl_version) {}
+  double firing_us() const { return bpearl == 3 ? 55.52 : 55.556; }
+  double unit_m() const { return bpearl == 3 ? 0.005 : 0.0025; }
+  int lasers, bpearl;
+};
 
 /// A packet as received from the network.
 struct SentPacket {
@@ -50,6 +60,27 @@ inline std::vector<uint8_t> make_data_packet(uint32_t number, uint64_t seconds,
   return bytes;
 }
 
+/// The data packet of an RS-Bpearl: another mark and type, no unit of distance; version 3 with a
+/// date and time of day.
+inline std::vector<uint8_t> make_bpearl_packet(int version, uint32_t number, uint64_t seconds,
+                                               uint32_t microseconds,
+                                               const std::vector<uint16_t>& azimuths) {
+  auto bytes = make_data_packet(number, seconds, microseconds, azimuths, 0);
+  put(bytes, 0, 0x55AA050A5AA550A0, 8);
+  put(bytes, 30, version == 4 ? 0x000304 : 0x030000, 3);
+  bytes[17] = 0;
+  if (version == 4) return bytes;
+  const auto time = static_cast<time_t>(seconds);
+  tm date{};
+  gmtime_r(&time, &date);
+  const int parts[]{date.tm_year - 100, date.tm_mon + 1, date.tm_mday,
+                    date.tm_hour,       date.tm_min,     date.tm_sec};
+  for (size_t i = 0; i < 6; ++i) bytes[20 + i] = static_cast<uint8_t>(parts[i]);
+  put(bytes, 26, microseconds / 1'000, 2);
+  put(bytes, 28, microseconds % 1'000, 2);
+  return bytes;
+}
+
 /// An information packet of a unit whose angles are given in 0.01°; channels without one are empty.
 inline std::vector<uint8_t> make_info_packet(const std::vector<int>& elevations,
                                              const std::vector<int>& azimuths, uint8_t mode = 4,
@@ -75,8 +106,9 @@ inline std::vector<uint8_t> make_info_packet(const std::vector<int>& elevations,
 
 /// Data packets of a lidar that turns ten times a second and sees random ranges; every fourth
 /// direction has none, every third pair of returns is one.
-inline std::vector<SentPacket> make_turns(int lasers, bool dual, double turns) {
-  const double firing_us = 55.556;
+inline std::vector<SentPacket> make_turns(PlainModel model, bool dual, double turns) {
+  const int lasers = model.lasers;
+  const double firing_us = model.firing_us();
   const double block_us = lasers == 16 ? (dual ? 1 : 2) * firing_us : firing_us;
   const int blocks_each = dual && lasers == 32 ? 2 : 1;
   const double packet_us = block_us * 12 / blocks_each;
@@ -89,8 +121,10 @@ inline std::vector<SentPacket> make_turns(int lasers, bool dual, double turns) {
       azimuths.push_back(static_cast<uint16_t>(std::lround(35'000 + us * 0.36) % 36'000));
     }
     const auto us = static_cast<uint32_t>(std::lround(500 + k * packet_us));
-    auto bytes = make_data_packet(7'000 + k, 1'700'000'000, us, azimuths,
-                                  lasers == 16 ? uint8_t{7} : uint8_t{6});
+    auto bytes = model.bpearl != 0
+                     ? make_bpearl_packet(model.bpearl, 7'000 + k, 1'700'000'000, us, azimuths)
+                     : make_data_packet(7'000 + k, 1'700'000'000, us, azimuths,
+                                        lasers == 16 ? uint8_t{7} : uint8_t{6});
     const auto unit_at = [](int block, int unit) {
       return static_cast<size_t>(46 + 100 * block + 3 * unit);
     };

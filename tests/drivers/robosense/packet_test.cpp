@@ -41,6 +41,28 @@ TEST(RobosensePacket, TwoReturnsRepeatAzimuthsAndAStandingSensorAllOfThem) {
   EXPECT_TRUE(standing->stands);
 }
 
+TEST(RobosensePacket, OfABpearlHoldsADateOrSeconds) {
+  const std::vector<uint16_t> azimuths(12, 7);
+  auto older = make_bpearl_packet(3, 9, 1'483'724'884, 201'573, azimuths);
+  const auto third = parse_packet(older);
+  ASSERT_TRUE(third);
+  EXPECT_EQ(third->time_ns, 1'483'724'884'201'573'000);
+  EXPECT_EQ(third->number, 9u);
+  EXPECT_EQ(third->distance_unit, 0.005F);
+  const auto fourth = parse_packet(make_bpearl_packet(4, 0, 1'483'724'884, 201'573, azimuths));
+  ASSERT_TRUE(fourth);
+  EXPECT_EQ(fourth->time_ns, 1'483'724'884'201'573'000);
+  EXPECT_EQ(fourth->number, std::nullopt);
+  EXPECT_EQ(fourth->distance_unit, 0.0025F);
+  put(older, 20, 0, 10);  // a clock that is not set: 2000-01-01
+  EXPECT_EQ(parse_packet(older)->time_ns, 946'684'800'000'000'000);
+  older[21] = 13;
+  EXPECT_EQ(parse_packet(older).error(), PacketFault::kTime);
+  older[21] = 2;
+  older[23] = 25;
+  EXPECT_EQ(parse_packet(older).error(), PacketFault::kTime);
+}
+
 PacketFault fault_of(std::vector<uint8_t> bytes, size_t at, std::vector<uint8_t> change) {
   std::copy(change.begin(), change.end(), bytes.begin() + static_cast<ptrdiff_t>(at));
   const auto packet = parse_packet(bytes);
@@ -113,7 +135,7 @@ TEST(RobosenseCalibration, MustBeWithinTheFieldOfView) {
   for (const ModelInfo& info : models()) {
     Calibration calibration = built_in_calibration(info.model);
     EXPECT_FALSE(calibration.invalid(info)) << info.name;
-    calibration.beams[3].azimuth_offset = 4'000;
+    calibration.beams[3].azimuth_offset = info.max_azimuth_offset + 1;
     EXPECT_EQ(calibration.invalid(info), "azimuth of channel 4 is out of range");
     calibration.beams[3] = calibration.beams[2];
     EXPECT_EQ(calibration.invalid(info), "channel 4 has the direction of another");

@@ -18,6 +18,7 @@
 #include "drivers/recording/sweep_files.hpp"
 #include "drivers/recording/times_csv.hpp"
 #include "drivers/text/text_file.hpp"
+#include "fixtures/encoders/encoders.hpp"
 #include "fixtures/scene/capture.hpp"
 #include "tests/daemon/run_program.hpp"
 #include "tests/folders.hpp"
@@ -29,6 +30,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr Duration kHalfSecond{500'000'000};
 constexpr int64_t kStart = 1'700'000'600'000'000'000;  // of a fixture's capture
 
 struct TimedBytes {
@@ -248,6 +250,31 @@ TEST(McapExport, SimulatedDriveIsTheSameAfterARoundTrip) {
   const ScratchFolder folder;
   write_drive(folder / "drive");
   expect_same_after_round_trip(folder / "drive", folder);
+}
+
+/// The file holds the metadata, without which an Ouster's packets cannot be read.
+TEST(McapExport, OustersPacketsAreDecodedTheSameAfterARoundTrip) {
+  const ScratchFolder folder;
+  const auto encoder = fixtures::make_encoder({.model = fixtures::find_model("OS1-64")});
+  const std::string metadata = encoder->calibration()->text;
+  ASSERT_TRUE(text::write_text(folder / "os.json", metadata));
+  ASSERT_TRUE(fixtures::make_capture(
+      folder / "os.pcap", {.model = fixtures::find_model("OS1-64"), .duration = kHalfSecond}));
+  const auto exported = export_mcap(folder / "os.pcap", folder / "a.mcap", {});
+  ASSERT_TRUE(exported) << exported.error().message();
+  EXPECT_EQ(exported->messages.at("/lidar/lidar/metadata"), 1u);
+  const auto imported = importers::import_bags({folder / "a.mcap"}, folder / "again", {});
+  ASSERT_TRUE(imported) << imported.error().message();
+  const auto again = recording::Drive::open(folder / "again");
+  ASSERT_TRUE(again);
+  ASSERT_EQ(again->description.lidars.size(), 1u);
+  EXPECT_EQ(text::read_text(folder / "again" / again->description.lidars[0].calibration, 1 << 20),
+            metadata);
+  const auto second = export_mcap(folder / "again", folder / "b.mcap", {});
+  ASSERT_TRUE(second) << second.error().message();
+  EXPECT_GT(exported->messages.at("/lidar/lidar/packets"), 100u);
+  EXPECT_EQ(exported->messages.at("/lidar/lidar/points_raw"), 6u);
+  EXPECT_EQ(exported->messages, second->messages);
 }
 
 TEST(McapExport, RealKittiDriveIsTheSameAfterARoundTrip) {
