@@ -90,31 +90,30 @@ void read_odometry(TomlTable& table, OdometrySettings& settings) {
 
 void read_streetmap(TomlTable& table, StreetMapSettings& settings) {
   table.read("map", settings.map);
-  std::optional<double> x, y;
-  table.read("x", x);
-  table.read("y", y);
-  if (x.has_value() != y.has_value()) table.report_table_error("x and y must be given together");
-  if (x && y)
-    settings.initial_pose =
-        InitialPose{*x, *y, settings.initial_pose ? settings.initial_pose->yaw : 0};
-  double yaw = 0;
-  read_radians(table, "yaw_deg", yaw);
-  if (settings.initial_pose) settings.initial_pose->yaw = yaw;
-  std::optional<double> latitude, longitude;
-  double heading = 0;
-  table.read("lat", latitude);
-  table.read("lon", longitude);
-  read_radians(table, "heading_deg", heading);
-  if (latitude.has_value() != longitude.has_value())
-    table.report_table_error("lat and lon must be given together");
-  if (latitude && longitude) {
-    settings.initial_location = InitialLocation{*latitude * kDegree, *longitude * kDegree, heading};
+  const auto read_pair = [&](const char* first, const char* second) {
+    std::optional<double> a, b;
+    table.read(first, a);
+    table.read(second, b);
+    if (a.has_value() != b.has_value())
+      table.report_table_error(std::string(first) + " and " + second + " must be given together");
+    return a && b ? std::optional(Eigen::Vector2d(*a, *b)) : std::nullopt;
+  };
+  const auto read_angle = [&](const char* key) {
+    std::optional<double> degrees;
+    table.read(key, degrees);
+    return degrees ? std::optional(*degrees * kDegree) : std::nullopt;
+  };
+  const auto yaw = read_angle("yaw_deg"), heading = read_angle("heading_deg");
+  if (const auto place = read_pair("x", "y"))
+    settings.initial_pose = InitialPose{place->x(), place->y(), yaw};
+  if (const auto place = read_pair("lat", "lon")) {
+    settings.initial_location =
+        InitialLocation{place->x() * kDegree, place->y() * kDegree, heading};
   }
   table.read("require_tracking", settings.require_tracking);
   table.read("sigma", settings.initial_sigma);
   read_radians(table, "yaw_sigma_deg", settings.initial_yaw_sigma);
   table.read("update_hz", settings.update_hz);
-  table.read("search_radius", settings.tracker.confidence.search_radius);
   table.read("global_start", settings.tracker.global_start.enabled);
   read_integer(table, "seed", settings.tracker.seed);
 }

@@ -3,6 +3,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "drivers/gnss/local_frame.hpp"
+#include "drivers/measurement/angles.hpp"
+
 namespace infuse::daemon {
 
 std::optional<std::string> StreetMapSettings::invalid() const {
@@ -12,9 +15,8 @@ std::optional<std::string> StreetMapSettings::invalid() const {
   if (!(initial_yaw_sigma > 0 && initial_yaw_sigma <= 4)) {
     return "yaw_sigma_deg must be between 0 and 229";
   }
-  if (initial_pose && !(std::abs(initial_pose->x) < 1e7 && std::abs(initial_pose->y) < 1e7)) {
-    return "x, y lies more than 10000 km from the map origin";
-  }
+  if (initial_pose && !(std::isfinite(initial_pose->x) && std::isfinite(initial_pose->y)))
+    return "x and y must be finite";
   if (initial_pose && initial_location) return "either x and y or lat and lon can be given";
   constexpr double kPi = std::numbers::pi;
   if (initial_location && !(std::abs(initial_location->latitude) <= kPi / 2 &&
@@ -22,6 +24,26 @@ std::optional<std::string> StreetMapSettings::invalid() const {
     return "lat must be between -90 and 90, lon between -180 and 180 degrees";
   }
   return std::nullopt;
+}
+
+std::optional<StatedStart> stated_start(const StreetMapSettings& settings,
+                                        const streetmap::MapFrame& frame) {
+  constexpr double kPi = std::numbers::pi;
+  const auto start = [&](const Eigen::Vector2d& place, const std::optional<double>& yaw) {
+    const double any = kPi / std::numbers::sqrt3;  // of the uniform distribution of all headings
+    return StatedStart{{place.x(), place.y(), wrap_angle(yaw.value_or(0))},
+                       yaw ? settings.initial_yaw_sigma : any};
+  };
+  if (settings.initial_pose) {
+    const InitialPose& pose = *settings.initial_pose;
+    return start({pose.x, pose.y}, pose.yaw);
+  }
+  if (!settings.initial_location || !frame.georeferenced) return std::nullopt;
+  const InitialLocation& place = *settings.initial_location;
+  const gnss::LocalFrame local = gnss::make_local_frame(frame.latitude, frame.longitude);
+  const auto heading = place.heading;
+  return start(gnss::to_local(local, place.latitude, place.longitude).head<2>(),
+               heading ? std::optional(kPi / 2 - *heading) : std::nullopt);
 }
 
 }  // namespace infuse::daemon

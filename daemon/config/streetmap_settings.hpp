@@ -3,22 +3,24 @@
 #include <optional>
 #include <string>
 
+#include "fusion/streetmap/planar_pose.hpp"
+#include "fusion/streetmap/segment_map.hpp"
 #include "fusion/streetmap/tracker_options.hpp"
 
 namespace infuse::daemon {
 
 /// Initial pose on the street map, map frame.
 struct InitialPose {
-  double x = 0;    ///< m east of the map's origin
-  double y = 0;    ///< m north
-  double yaw = 0;  ///< rad, counter-clockwise from east
+  double x = 0;                 ///< m east of the map's origin
+  double y = 0;                 ///< m north
+  std::optional<double> yaw{};  ///< rad, counter-clockwise from east; nothing: unknown
 };
 
 /// Initial pose by the earth: for a map that has latitude and longitude.
 struct InitialLocation {
-  double latitude = 0;   ///< rad, WGS 84
-  double longitude = 0;  ///< rad
-  double heading = 0;    ///< rad, clockwise from north
+  double latitude = 0;              ///< rad, WGS 84
+  double longitude = 0;             ///< rad
+  std::optional<double> heading{};  ///< rad, clockwise from north; nothing: unknown
 };
 
 /// Settings of the street map: the `[streetmap]` table of the configuration.
@@ -35,5 +37,14 @@ struct StreetMapSettings {
   /// Returns what is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;
 };
+
+/// The start that the settings state, map frame; nothing if they state none, or the map has no
+/// latitude and longitude for it. An unknown heading has the standard deviation of all headings.
+struct StatedStart {
+  streetmap::PlanarPose pose;
+  double yaw_sigma = 0;  ///< rad
+};
+std::optional<StatedStart> stated_start(const StreetMapSettings& settings,
+                                        const streetmap::MapFrame& frame);
 
 }  // namespace infuse::daemon

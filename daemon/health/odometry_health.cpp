@@ -5,13 +5,14 @@
 namespace infuse::daemon {
 namespace {
 
-/// Names of the sources that carry the odometry: "wheels, gyro".
-std::string carriers(const OdometrySourceStatuses& sources) {
+/// Names of the sources that carry the odometry, but for those that contradict it: "wheels, gyro".
+std::string carriers(const OdometrySourceStatuses& sources, const std::string& contradicting) {
   std::string names;
   for (const OdometrySourceStatus& source : sources) {
-    if (source.carries) names += (names.empty() ? "" : ", ") + std::string(source.name);
+    if (!source.carries || contradicting.find(source.name) != std::string::npos) continue;
+    names += (names.empty() ? "" : ", ") + std::string(source.name);
   }
-  return names.empty() ? "nothing" : names;
+  return names.empty() ? "nothing else" : names;
 }
 
 /// Names of the sources of which most samples were rejected between two updates.
@@ -40,9 +41,10 @@ constexpr Alert<OdometryTick> kOdometryAlerts[] = {
       "lidar: moving objects."},
      [](const OdometryTick& tick) -> std::optional<Problem> {
        if (tick.contradicting.empty()) return {};
-       return Problem{fmt::format("{} contradicts the motion carried by {}", tick.contradicting,
-                                  carriers(tick.status.sources)),
-                      "wheels: slip, or a tyre changed; GNSS: reflections; lidar: moving objects"};
+       return Problem{
+           fmt::format("the motion carried by {} is contradicted by {}",
+                       carriers(tick.status.sources, tick.contradicting), tick.contradicting),
+           "wheels: slip, or a tyre changed; GNSS: reflections; lidar: moving objects"};
      }},
     {{"not_deskewed", Level::kWarn, Delays::kBoth,
       "Sweeps were passed on as measured. See deskew_reason in the SWEEP reports."},

@@ -8,7 +8,8 @@ namespace {
 using StreetMapProblem = std::optional<Problem>;
 
 std::string place_text(const StreetMapStatus& status) {
-  return fmt::format("near {:.0f} m east, {:.0f} m north of the map origin", status.x, status.y);
+  if (!status.on_map) return "";
+  return fmt::format(" near {:.0f} m east, {:.0f} m north of the map origin", status.x, status.y);
 }
 
 constexpr Alert<StreetMapStatus> kStreetMapAlerts[] = {
@@ -20,7 +21,7 @@ constexpr Alert<StreetMapStatus> kStreetMapAlerts[] = {
        const std::string drive_on =
            status.hypotheses > 0 ? "drive on: all streets are searched, and turns decide; or " : "";
        return Problem{
-           fmt::format("position on the street map lost {}: {}", place_text(status), status.reason),
+           fmt::format("position on the street map lost{}: {}", place_text(status), status.reason),
            drive_on +
                "set an initial pose in [streetmap], or connect a GNSS receiver; if one is "
                "connected, check its antenna, and whether the map is that of this place"};
@@ -30,8 +31,18 @@ constexpr Alert<StreetMapStatus> kStreetMapAlerts[] = {
       "again with `infuse streetmap`."},
      [](const StreetMapStatus& status) -> StreetMapProblem {
        if (!status.mismatch) return {};
-       return Problem{"observations do not match the street map " + place_text(status),
+       return Problem{"observations do not match the street map" + place_text(status),
                       "check that the map is up to date; rebuild it with infuse streetmap"};
+     }},
+    {{"gnss_contradicts", Level::kWarn, Delays::kBoth,
+      "GNSS fixes are off the pose on the street map by more than the map and the receiver "
+      "explain. "
+      "Check the receiver's antenna, and that the initial pose is right."},
+     [](const StreetMapStatus& status) -> StreetMapProblem {
+       if (!status.gnss_contradicts || !status.gnss_offset) return {};
+       return Problem{fmt::format("GNSS fixes are {:.0f} m off the pose on the street map",
+                                  status.gnss_offset->norm()),
+                      "check the receiver's antenna, and the initial pose in [streetmap]"};
      }},
 };
 

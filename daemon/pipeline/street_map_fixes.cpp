@@ -40,7 +40,10 @@ StreetMapFixes::StreetMapFixes(const gnss::LocalFrame& frame) : frame_(frame) {
 
 void StreetMapFixes::add(const GnssFix& fix) {
   if (!fix.valid || !std::isfinite(fix.latitude) || !std::isfinite(fix.longitude)) return;
-  if (fixes_.size() == kMaxFixes) fixes_.erase(fixes_.begin());
+  if (fixes_.size() == kMaxFixes) {
+    fixes_.erase(fixes_.begin());
+    next_ -= next_ > 0 ? 1 : 0;
+  }
   Fix added{fix.stamp, gnss::to_local(frame_, fix.latitude, fix.longitude).head<2>(), {}, fix.hdop};
   if (std::isfinite(fix.course) && fix.speed >= kMinCourseSpeed) {
     added.yaw = wrap_angle(std::numbers::pi / 2 - fix.course);
@@ -50,12 +53,12 @@ void StreetMapFixes::add(const GnssFix& fix) {
 
 std::optional<streetmap::MapFix> StreetMapFixes::take(Stamp now, double yaw,
                                                       const geometry::Trajectory& trajectory) {
-  while (!fixes_.empty() && fixes_.front().stamp <= now) {
-    const Fix fix = fixes_.front();
-    fixes_.erase(fixes_.begin());
+  while (next_ < fixes_.size() && fixes_[next_].stamp <= now) {
+    const Fix& fix = fixes_[next_++];
     const auto motion = motion_between(trajectory, fix.stamp, now);
     if (!motion) continue;
-    const streetmap::PlanarPose at{fix.position.x(), fix.position.y(), yaw - motion->yaw};
+    const double heading = fix.yaw.value_or(yaw - motion->yaw);
+    const streetmap::PlanarPose at{fix.position.x(), fix.position.y(), heading};
     streetmap::MapFix moved;
     moved.position = at.transform({motion->x, motion->y});
     if (fix.yaw) moved.yaw = wrap_angle(*fix.yaw + motion->yaw);

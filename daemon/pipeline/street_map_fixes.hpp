@@ -25,8 +25,9 @@ class StreetMapFixes {
   /// Keeps a valid fix; others are ignored.
   void add(const GnssFix& fix);
 
-  /// Takes the next fix up to `now`, moved to `now` with the heading (rad) of the vehicle there.
-  /// Nothing if there is none; fixes that odometry does not connect with `now` are dropped.
+  /// Takes the next fix up to `now`, moved to `now` with its course, or else the heading (rad) of
+  /// the vehicle there. Nothing if there is none; fixes that odometry does not connect with `now`
+  /// are dropped.
   std::optional<streetmap::MapFix> take(Stamp now, double yaw,
                                         const geometry::Trajectory& trajectory);
 
@@ -45,6 +46,7 @@ class StreetMapFixes {
 
   gnss::LocalFrame frame_;
   std::vector<Fix> fixes_;  // oldest first
+  size_t next_ = 0;         // the first that was not taken
 };
 
 }  // namespace infuse::daemon

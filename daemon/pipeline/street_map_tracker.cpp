@@ -1,10 +1,8 @@
 #include "daemon/pipeline/street_map_tracker.hpp"
 
 #include <cmath>
-#include <numbers>
 
 #include "daemon/pipeline/unknown_pose.hpp"
-#include "drivers/measurement/angles.hpp"
 #include "fusion/geometry/plane_length.hpp"
 
 namespace infuse::daemon {
@@ -58,34 +56,20 @@ StreetMapTracker::StreetMapTracker(const StreetMapSettings& settings,
   for (const CameraMount& camera : rig.cameras) cameras_.emplace_back(camera.intrinsics);
   const streetmap::MapFrame& frame = map.frame();
   if (frame.georeferenced) fixes_.emplace(gnss::make_local_frame(frame.latitude, frame.longitude));
-  initialise(frame);
-}
-
-void StreetMapTracker::initialise(const streetmap::MapFrame& frame) {
-  streetmap::PlanarPose initial;
-  if (settings_.initial_pose) {
-    const InitialPose& pose = *settings_.initial_pose;
-    initial = {pose.x, pose.y, pose.yaw};
-  } else if (settings_.initial_location && frame.georeferenced) {
-    const InitialLocation& place = *settings_.initial_location;
-    const Eigen::Vector3d position = gnss::to_local(
-        gnss::make_local_frame(frame.latitude, frame.longitude), place.latitude, place.longitude);
-    initial = {position.x(), position.y(), wrap_angle(std::numbers::pi / 2 - place.heading)};
-  } else {
-    return;
-  }
-  tracker_.start(initial, diagonal(settings_.initial_sigma, settings_.initial_yaw_sigma));
+  if (const auto start = stated_start(settings, frame))
+    tracker_.start(start->pose, diagonal(settings.initial_sigma, start->yaw_sigma));
 }
 
 void StreetMapTracker::add_gnss(const GnssFix& fix) {
   if (fixes_) fixes_->add(fix);
 }
 
+// Each fix weighs the places that are searched, those of few satellites too; only of good ones,
+// which particles reach, the track starts.
 void StreetMapTracker::use_fixes(const geometry::Trajectory& trajectory) {
   if (!fixes_) return;
-  if (!tracker_.started()) {
-    const auto initial = fixes_->initial_pose(now_, trajectory);
-    if (!initial) return;
+  const auto initial = tracker_.started() ? std::nullopt : fixes_->initial_pose(now_, trajectory);
+  if (initial) {
     const streetmap::GnssOptions& gnss = settings_.tracker.gnss;
     tracker_.start(initial->pose,
                    diagonal(geometry::plane_length(gnss.map_sigma, gnss.slow_sigma * initial->hdop),
@@ -187,10 +171,13 @@ StreetMapStatus StreetMapTracker::status() const {
   status.particles = static_cast<uint32_t>(estimate.particles);
   status.hypotheses = static_cast<uint32_t>(estimate.hypotheses);
   status.updates = updates_;
-  // A mismatch needs a settled null distribution, and particles that had time to agree.
-  status.mismatch = tracker_.started() &&
-                    updates_ >= 4 * static_cast<uint64_t>(settings_.tracker.confidence.window) &&
-                    estimate.p_value > settings_.tracker.confidence.max_tracking_p_value;
+  status.on_map = estimate.on_map;
+  status.gnss_contradicts = estimate.gnss_contradicts;
+  // A mismatch needs a settled null distribution, and particles that had time to agree: of a
+  // vehicle that stands nothing is compared.
+  const streetmap::ConfidenceOptions& confidence = settings_.tracker.confidence;
+  status.mismatch = estimate.on_map && estimate.updates >= 4 * confidence.window &&
+                    estimate.p_value > confidence.max_kept_p_value;
   return status;
 }
 

@@ -56,7 +56,6 @@ class StreetMapTracker {
   StreetMapStatus status() const;
 
  private:
-  void initialise(const streetmap::MapFrame& frame);
   void use_fixes(const geometry::Trajectory& trajectory);
   void predict_to(Stamp stamp, const geometry::Trajectory& trajectory);
   void update_if_due();

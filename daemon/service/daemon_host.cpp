@@ -1,5 +1,6 @@
 #include "daemon/service/daemon_host.hpp"
 
+#include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 
 #include <csignal>
@@ -9,6 +10,7 @@
 #include "daemon/mapping/place_map.hpp"
 #include "daemon/process/service_manager.hpp"
 #include "daemon/server/socket_path.hpp"
+#include "fusion/geometry/plane_length.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -33,6 +35,15 @@ Result<StreetMapFile> open_street_map(const Config& config) {
   if (map && settings.initial_location && !map->map.frame().georeferenced) {
     return fail("the street map has no latitude and longitude", settings.map,
                 "give x, y and yaw_deg instead of lat, lon and heading_deg");
+  }
+  if (!map) return map;
+  const auto start = stated_start(settings, map->map.frame());
+  if (start && !map->map.covers(start->pose.x, start->pose.y)) {
+    const double distance = geometry::plane_length(start->pose.x, start->pose.y) / 1e3;
+    return fail(
+        fmt::format("the initial pose, {:.1f} km from the map's origin, lies outside the map",
+                    distance),
+        settings.map, "`infuse streetmap` states the map's origin and size");
   }
   return map;
 }

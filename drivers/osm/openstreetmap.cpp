@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <limits>
 #include <osmium/io/bzip2_compression.hpp>
 #include <osmium/io/gzip_compression.hpp>
@@ -97,10 +98,13 @@ class MapBuilder {
   void add_node(const osmium::Node& node) {
     std::vector<Tag> tags = copy_tags(node);
     elements_ += 1 + tags.size();
-    if (!node.location().valid()) {
+    // Beyond 180°, so that a map across that meridian has no gap: as far as the format holds it.
+    const osmium::Location at = node.location();
+    if (!at.is_defined() || std::abs(at.lat_without_check()) > 90) {
       return warn("node", node.id(), "has no valid latitude and longitude", "it is ignored");
     }
-    const Point point{node.id(), node.location().lat() * kDegree, node.location().lon() * kDegree};
+    const Point point{node.id(), at.lat_without_check() * kDegree,
+                      at.lon_without_check() * kDegree};
     points_[node.id()] = point;
     if (tags.empty()) return;
     map_.nodes.push_back({node.id(), point.latitude, point.longitude, std::move(tags)});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace infuse::streetmap {
 namespace {
@@ -13,6 +14,9 @@ constexpr double kForgiveSeconds = 60;  // s of agreement until a refuted receiv
 constexpr double kMaxHdop = 50;
 
 double square(double x) { return x * x; }
+
+/// Probability that a fix says nothing of the place: beyond `kOutlier` it counts no more.
+const double kUseless = std::exp(-square(kOutlier) / 2);
 
 }  // namespace
 
@@ -38,13 +42,18 @@ void GnssWitness::advance(double seconds) {
   offset_variance_ = square(decay) * offset_variance_ + (1 - square(decay)) * prior_variance();
 }
 
-void GnssWitness::add(const MapFix& fix, const Eigen::Vector2d& pose, double variance) {
+void GnssWitness::add(const MapFix& fix) {
   if (!fix.position.allFinite()) return;
   const double stated = fix.hdop > 0 ? fix.hdop : options_.unknown_hdop;
   hdop_ = std::clamp(stated, 1.0, kMaxHdop);
   new_evidence_ = std::min(1.0, (now_ - last_fix_) / options_.correlation_time);
   last_fix_ = now_;
   fix_ = fix;
+}
+
+void GnssWitness::add(const MapFix& fix, const Eigen::Vector2d& pose, double variance) {
+  if (!fix.position.allFinite()) return;
+  add(fix);
   track_variance_ = variance;
   if (offset_variance_ < 0) offset_variance_ = prior_variance();
   const Eigen::Vector2d innovation = fix.position - pose - offset_;
@@ -75,9 +84,31 @@ double GnssWitness::log_likelihood(const Eigen::Vector2d& position) const {
   return -0.5 * new_evidence_ * std::min(chi_squared, square(kOutlier));
 }
 
+double GnssWitness::log_likelihood_in(double area, const Eigen::Vector2d& position,
+                                      bool anew) const {
+  const double variance = prior_variance() + square(options_.noise_sigma * hdop_);
+  const double by_chance = std::min(kUseless * 2 * std::numbers::pi * variance / area, 1.0);
+  const double chi_squared = (fix_.position - position).squaredNorm() / variance;
+  return (anew ? 1 : new_evidence_) * std::log(std::exp(-chi_squared / 2) + by_chance);
+}
+
+double GnssWitness::log_odds(const Eigen::Vector2d& position,
+                             const Eigen::Vector2d& estimate) const {
+  if (offset_variance_ < 0 || is_silent()) return 0;
+  const double variance = prior_variance() + offset_variance_ + track_variance_;
+  const auto likelihood = [&](const Eigen::Vector2d& d) {
+    return std::log(std::exp(-d.squaredNorm() / variance / 2) + kUseless);
+  };
+  return likelihood(estimate + offset_ - position) - likelihood(offset_);
+}
+
+// The offset follows slowly what is far from it.
 std::optional<GnssWitness::Place> GnssWitness::place(const Eigen::Vector2d& pose) const {
-  if (offset_variance_ < 0 || now_ - last_fix_ > options_.silent_seconds) return std::nullopt;
-  return Place{pose + offset_, fix_.yaw, std::sqrt(prior_variance())};
+  if (offset_variance_ < 0 || is_silent()) return std::nullopt;
+  const double sigma = std::sqrt(prior_variance());
+  const Eigen::Vector2d mean = pose + offset_;
+  const bool follows = (fix_.position - mean).norm() <= kOutlier * sigma;
+  return Place{follows ? mean : fix_.position, fix_.yaw, sigma};
 }
 
 std::optional<Eigen::Vector2d> GnssWitness::offset() const {

@@ -47,10 +47,22 @@ class GnssWitness {
   /// Adds a fix; `pose` and `variance` (m², worst direction) of the estimate.
   void add(const MapFix& fix, const Eigen::Vector2d& pose, double variance);
 
+  /// Adds a fix while there is no pose that it could witness.
+  void add(const MapFix& fix);
+
   Verdict verdict() const;
 
   /// Log-likelihood of a position by the last fix, weighted by its share of new evidence; ≤ 0.
   double log_likelihood(const Eigen::Vector2d& position) const;
+
+  /// The same of a position that may be anywhere in `area`, m²: a receiver that is wrong altogether
+  /// is there by chance, so that a fix counts the more, the larger that is. `anew`: nothing was
+  /// said to whom it is said, and all of it is new evidence.
+  double log_likelihood_in(double area, const Eigen::Vector2d& position, bool anew) const;
+
+  /// Log-odds of a position against that of the estimate, by the offset of the fixes of the last
+  /// seconds; 0 without fixes.
+  double log_odds(const Eigen::Vector2d& position, const Eigen::Vector2d& estimate) const;
 
   /// Position of the vehicle by the fixes, given the pose of the estimate: only while they are
   /// recent. `sigma` is its standard deviation, m.
@@ -70,6 +82,7 @@ class GnssWitness {
 
  private:
   double prior_variance() const;
+  bool is_silent() const { return now_ - last_fix_ > options_.silent_seconds; }
 
   GnssOptions options_;
   double now_ = 0;              // s

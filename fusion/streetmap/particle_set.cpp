@@ -91,19 +91,6 @@ void ParticleSet::scatter(const PlanarPose& mean, const Eigen::Matrix3d& covaria
   particles_.resize(static_cast<size_t>(needed));
 }
 
-void ParticleSet::scatter_disc(const PlanarPose& middle, double radius, double yaw) {
-  std::uniform_real_distribution<double> share(0, 1);
-  particles_.resize(static_cast<size_t>(options_.max_count));
-  for (Particle& particle : particles_) {
-    const double r = radius * std::sqrt(share(random_));
-    const double a = 2 * std::numbers::pi * share(random_);
-    const double turned = yaw * (2 * share(random_) - 1);
-    particle = {
-        {middle.x + r * std::cos(a), middle.y + r * std::sin(a), wrap_angle(middle.yaw + turned)}};
-    draw_odometry_errors(particle);
-  }
-}
-
 void ParticleSet::add_mode(const PlanarPose& mean, const Eigen::Matrix3d& covariance) {
   normalise();
   const auto [first, second] = mode_weights();

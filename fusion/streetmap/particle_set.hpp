@@ -43,10 +43,6 @@ class ParticleSet {
   /// from the spread.
   void scatter(const PlanarPose& mean, const Eigen::Matrix3d& covariance);
 
-  /// Replaces all particles by draws from a disc of `radius` (m) around `middle`, heading within ±
-  /// `yaw`.
-  void scatter_disc(const PlanarPose& middle, double radius, double yaw);
-
   /// Replaces every third particle by a draw from a normal distribution around `mean`, each with
   /// the mean weight: a second mode, half as likely as the first. Of two modes that there are
   /// already, the less likely one is given up for it, with all its particles.

@@ -11,7 +11,6 @@
 namespace infuse::streetmap {
 namespace {
 
-constexpr double kOutsideLogWeight = -1e3;  // log-weight of a particle outside the map
 constexpr size_t kMinSamples = 100;
 constexpr double kViewYawSigma = 0.03;  // rad, heading accuracy of one view
 constexpr double kMaxSpread = 20;       // m, of particles that all lie in the window
@@ -35,6 +34,7 @@ Tracker::Tracker(const SegmentMap& map, const TrackerOptions& options,
       view_(score ? std::move(score) : std::make_unique<LsmiScore>(options.fit)),
       particles_(options.particles, options.seed),
       significance_(options.confidence.window),
+      standing_significance_(options.confidence.window),
       global_search_(options.global_search, options.seed + 2),
       place_check_(options.place_check, options.seed + 3),
       gnss_(options.gnss),
@@ -94,20 +94,10 @@ void Tracker::start(const PlanarPose& pose, const Eigen::Matrix3d& covariance) {
   place_check_.start(pose, map_);
   gnss_.restart(false);
   started_ = true;
+  was_confirmed_ = false;
   state_ = TrackState::kUnsure;
   reason_ = "too few updates since the start";
-  updates_since_search_ = 0;
-}
-
-void Tracker::search(const PlanarPose& pose, double radius, double yaw) {
-  particles_.scatter_disc(pose, radius, yaw);
-  significance_.clear();
-  global_search_.reset();
-  place_check_.start(pose, map_);
-  started_ = true;
-  state_ = TrackState::kLost;
-  reason_ = "searching for the position on the map";
-  updates_since_search_ = 0;
+  updates_since_start_ = 0;
 }
 
 void Tracker::predict(const PlanarPose& motion, const Eigen::Matrix3d& covariance, Duration step) {
@@ -136,27 +126,36 @@ void Tracker::update(const GridSamples& samples) {
   use_found_street();
   if (samples.size() < kMinSamples) return;
   const bool witnesses = begin_witness(), updates = started_ && begin_update();
-  if ((!witnesses && !updates) || *view_->prepare(samples) != '\0') return;
+  if ((!witnesses && !started_) || *view_->prepare(samples) != '\0') return;
   labels_.resize(samples.size());
   if (witnesses) witness_streets(samples);
+  if (started_ && !updates) judge_standing(samples);
   if (!updates) return;
+  standing_significance_.clear();
+  z_when_it_stopped_.reset();
   const PoseMoments before = particles_.moments();
   read_windows(before);
   update_weights(samples);
-  update_significance(samples);
+  add_score(samples, significance_);
   particles_.resample_if_needed();
   search_globally(samples);
   check_place(samples, before.mean);
-  ++updates_since_search_;
+  ++updates_since_start_;
   ++updates_since_proposal_;
+  if (gnss_.verdict() != GnssWitness::Verdict::kNone) propose_fix(particles_.moments().mean);
   update_state();
 }
 
 void Tracker::add_fix(const MapFix& fix) {
-  if (!started_) return;
-  const PoseMoments moments = particles_.moments();
+  const PoseMoments moments = started_ ? particles_.moments() : PoseMoments();
   const double spread = moments.spread();
-  gnss_.add(fix, {moments.mean.x, moments.mean.y}, spread * spread);
+  if (started_) {
+    gnss_.add(fix, {moments.mean.x, moments.mean.y}, spread * spread);
+  } else {
+    gnss_.add(fix);
+  }
+  if (searching_streets_) witness_streets_by_fix();
+  if (!started_) return;
   for (Particle& particle : particles_.all()) {
     particle.log_weight += gnss_.log_likelihood({particle.pose.x, particle.pose.y});
   }
@@ -165,7 +164,7 @@ void Tracker::add_fix(const MapFix& fix) {
 
 bool Tracker::begin_update() {
   const PlanarPose motion = odometry_at_update_.motion_to(odometry_);
-  if (updates_since_search_ > 0 &&
+  if (updates_since_start_ > 0 &&
       geometry::plane_length(motion.x, motion.y) < options_.min_motion &&
       std::abs(motion.yaw) < options_.min_rotation) {
     return false;
@@ -190,7 +189,7 @@ void Tracker::update_novelty(double distance) {
   const double speedup = std::clamp(place / map_variance, 1.0, kMaxSpeedup);
   const double odometry_novelty = odometry_position_variance_ / map_variance +
                                   odometry_yaw_variance_ / (kViewYawSigma * kViewYawSigma);
-  const bool first = updates_since_search_ == 0;
+  const bool first = updates_since_start_ == 0;
   const double driving_novelty =
       speedup * distance / options_.novelty_distance + driven_s_ / options_.novelty_seconds;
   recent_position_variance_ =
@@ -217,10 +216,13 @@ void Tracker::update_weights(const GridSamples& samples) {
                options_.max_validated / static_cast<double>(particles_.all().size()));
   const std::span<Particle> all = particles_.all();
   scores_.assign(all.size(), 0);
+  double covered_sum = 0;
+  size_t covered = 0;
   for (size_t i = 0; i < all.size(); ++i) {
     Particle& particle = all[i];
     const bool omitted = share(random_) >= validated;
     if (!map_.covers(particle.pose.x, particle.pose.y)) continue;
+    ++covered;
     if (omitted && last_hyper_parameters_) {
       if (!particle.hyper_parameters) particle.hyper_parameters = last_hyper_parameters_;
     } else {
@@ -229,18 +231,22 @@ void Tracker::update_weights(const GridSamples& samples) {
     dependence::HyperParameters chosen;
     scores_[i] = evaluate(window_at(particle.pose), particle.pose, samples,
                           particle.hyper_parameters, &chosen);
+    covered_sum += scores_[i];
     if (chosen.sigma > 0) last_hyper_parameters_ = particle.hyper_parameters = chosen;
+  }
+  // Outside the map there is no evidence: neither for a particle nor against it.
+  for (size_t i = 0; covered > 0 && i < all.size(); ++i) {
+    if (map_.covers(all[i].pose.x, all[i].pose.y)) continue;
+    scores_[i] = covered_sum / static_cast<double>(covered);
   }
   particles_.update_weights(
       scores_, options_.sharpness * novelty_, options_.sharpness * mode_novelty_,
       std::max(options_.confidence.map_sigma, std::sqrt(recent_position_variance_)));
-  for (Particle& particle : all) {
-    if (!map_.covers(particle.pose.x, particle.pose.y)) particle.log_weight = kOutsideLogWeight;
-  }
 }
 
-void Tracker::update_significance(const GridSamples& samples) {
+void Tracker::add_score(const GridSamples& samples, ScoreSignificance& significance) {
   const PlanarPose pose = particles_.moments().mean;
+  if (!map_.covers(pose.x, pose.y)) return;
   const LabelWindow& window = window_at(pose);
   score_ = evaluate(window, pose, samples, last_hyper_parameters_);
   std::uniform_real_distribution<double> share(0, 1);
@@ -256,7 +262,27 @@ void Tracker::update_significance(const GridSamples& samples) {
                   wrap_angle(pose.yaw + turned)},
                  samples, last_hyper_parameters_));
   }
-  significance_.add(score_, null_scores_);
+  significance.add(score_, null_scores_);
+}
+
+// The place of a vehicle that is carried, or whose wheels and gyros lie, is to be confirmed anew. A
+// z-score of n null scores has the variance 1/n + z²/2(n - 1) (Hedges 1981, of a standardised
+// mean).
+void Tracker::judge_standing(const GridSamples& samples) {
+  constexpr double kSigmas = 3;  // 99.7 %
+  if (state_ != TrackState::kTracking) return;
+  const PoseMoments moments = particles_.moments();
+  read_windows(moments);
+  add_score(samples, standing_significance_);
+  if (!standing_significance_.window_full()) return;
+  const double z = standing_significance_.mean_z_score();
+  if (!z_when_it_stopped_) z_when_it_stopped_ = z;
+  const double n = options_.confidence.null_draws, before = *z_when_it_stopped_;
+  const double variance = 1 / n + before * before / (2 * std::max(n - 1, 1.0));
+  if (before - z < kSigmas * std::sqrt(2 * variance / options_.confidence.window)) return;
+  place_check_.start(moments.mean, map_);
+  state_ = TrackState::kUnsure;
+  reason_ = "what is seen changes though odometry stands";
 }
 
 void Tracker::search_globally(const GridSamples& samples) {
@@ -269,12 +295,17 @@ void Tracker::search_globally(const GridSamples& samples) {
   particles_.add_mode(*place, Eigen::Vector3d(1, 1, 0.0016).asDiagonal());
 }
 
-// An estimate that jumped is another place, whose evidence begins anew.
+// An estimate that jumped is another place, whose evidence begins anew. So does that of one that
+// the sensors confirm no more.
 void Tracker::check_place(const GridSamples& samples, const PlanarPose& before) {
   const PoseMoments moments = particles_.moments();
   const PlanarPose& pose = moments.mean;
   const double jump = geometry::plane_length(pose.x - before.x, pose.y - before.y);
-  if (jump > std::max(kMinJump, 3 * moments.spread())) place_check_.start(pose, map_);
+  if (jump > std::max(kMinJump, 3 * moments.spread())) {
+    place_check_.start(pose, map_);
+    gnss_.restart(false);
+  }
+  if (!place_check_.running() && is_doubted()) place_check_.start(pose, map_);
   if (!place_check_.running()) return;
   wide_window_.read(map_, pose.x, pose.y, wide_window_radius(options_), options_.labelling);
   const auto score = [&](const PlanarPose& place) {
@@ -283,10 +314,13 @@ void Tracker::check_place(const GridSamples& samples, const PlanarPose& before) 
   std::optional<FoundPlace> found;
   if (judges_streets()) found = global_start_->place();
   const DriveOdds by_drive(found, options_.global_start, pose);
+  const auto by_others = [&](const PlanarPose& place) {
+    return by_drive(place) + gnss_.log_odds({place.x, place.y}, {pose.x, pose.y});
+  };
   place_check_.update(pose, moments.covariance, options_.sharpness * mode_novelty_, score,
-                      std::cref(by_drive));
+                      std::cref(by_others));
   const double second = particles_.second_mode_weight();
-  if (second > (state_ == TrackState::kLost ? kMaxReplaced : 0)) return;
+  if (second > (is_doubted() ? kMaxReplaced : 0)) return;
   if (propose_street(pose) || second > 0) return;
   if (const auto candidate = place_check_.propose()) {
     particles_.add_mode(*candidate, Eigen::Vector3d(1, 1, 0.0016).asDiagonal());

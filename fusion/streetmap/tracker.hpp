@@ -21,9 +21,9 @@ namespace infuse::streetmap {
 
 /// State of the tracker.
 enum class TrackState {
-  kUnsure,    ///< the pose may be right
-  kTracking,  ///< the place is confirmed, the score is significant and the particles agree
-  kLost,      ///< the pose must not be used
+  kUnsure,    ///< the pose may be right: its region follows odometry
+  kTracking,  ///< the place is confirmed, nothing doubts it, and the particles agree
+  kLost,      ///< evidence contradicts the pose, or there is none: it must not be used
 };
 
 /// Returns "UNSURE", "TRACKING" or "LOST".
@@ -42,7 +42,10 @@ struct TrackerEstimate {
   double elsewhere = 1;     ///< probability that the true place is another one that was checked
   /// GNSS fixes minus the pose on the map, m, map frame; nothing without fixes.
   std::optional<Eigen::Vector2d> gnss_offset{};
-  double gnss_offset_sigma = 0;  ///< m
+  double gnss_offset_sigma = 0;   ///< m
+  bool gnss_contradicts = false;  ///< fixes contradict the pose, for some seconds
+  bool on_map = false;            ///< the pose lies on the map
+  int updates = 0;                ///< views that were compared with the map since the start
   int particles = 0;
   int hypotheses = 0;  ///< of the search on all streets; 0: there is none at present
 
@@ -64,7 +67,12 @@ struct TrackerEstimate {
 /// spatial structure of the label image, which a permutation of labels would destroy, so they give
 /// the probability that a wrong pose scores as high.
 ///
-/// Without a start, while a start is not confirmed and when LOST, `GlobalStart` searches all
+/// The want of evidence loses nothing: what was confirmed follows odometry, whose covariance widens
+/// the region until the map narrows it again, on the map and beside it. LOST is for contradiction:
+/// by GNSS fixes for long, or of a start that was never confirmed by the drive and the sensors
+/// together.
+///
+/// Without a start, while a place is not confirmed and when LOST, `GlobalStart` searches all
 /// streets. Once few places are left, the sensors witness which it is. Once one place alone fits
 /// the drive, the tracker starts there, unless it is there.
 class Tracker {
@@ -77,9 +85,6 @@ class Tracker {
   /// Starts around a pose (map frame); covariance of x, y, yaw.
   void start(const PlanarPose& pose, const Eigen::Matrix3d& covariance);
 
-  /// Starts within `radius` (m) of a pose, heading within ± `yaw` (rad) of it.
-  void search(const PlanarPose& pose, double radius, double yaw);
-
   /// Predicts by a motion (in the vehicle frame before it) within `step`. The covariance (x, y,
   /// yaw) is that of errors that are independent between motions; persistent errors of scale and
   /// yaw rate are part of the particles (`ParticleOptions`).
@@ -90,15 +95,16 @@ class Tracker {
   void add_sweep(const DeskewedView& deskewed, const ImageView* image,
                  const PlanarPose& sensor_pose = {});
 
-  /// Weights the particles by the collected data. Does nothing before a start, with too few
-  /// samples, and while the vehicle stands still: the same view is no new evidence.
+  /// Weights the particles by the collected data. Does nothing before a start and with too few
+  /// samples. While odometry stands the same view is no new evidence, and only judged: what matched
+  /// when it stopped must go on to match, or else the vehicle is carried.
   void update();
 
   /// The same with samples from elsewhere (a cache), vehicle frame.
   void update(const GridSamples& samples);
 
-  /// Adds a GNSS fix, moved to the time of the particles: a weight, and a judgement that goes on
-  /// while the vehicle stands. Does nothing before `start`.
+  /// Adds a GNSS fix, moved to the time of the particles: a weight of particles and of the search
+  /// of all streets, and a judgement that goes on while the vehicle stands.
   void add_fix(const MapFix& fix);
 
   /// True once it has a place on the map, which may be wrong.
@@ -118,6 +124,8 @@ class Tracker {
   void use_found_street();
   bool judges_streets() const;
   bool fits_another_street(const PlanarPose& pose) const;
+  bool is_refuted_start(const PlanarPose& pose) const;
+  void witness_streets_by_fix();
   bool begin_witness();
   void witness_streets(const GridSamples& samples);
   bool begin_update();
@@ -129,12 +137,14 @@ class Tracker {
                   const std::optional<dependence::HyperParameters>& fixed,
                   dependence::HyperParameters* chosen = nullptr);
   void update_weights(const GridSamples& samples);
-  void update_significance(const GridSamples& samples);
+  void add_score(const GridSamples& samples, ScoreSignificance& significance);
+  void judge_standing(const GridSamples& samples);
   void search_globally(const GridSamples& samples);
   void check_place(const GridSamples& samples, const PlanarPose& before);
   bool propose_street(const PlanarPose& pose);
   void update_state();
-  void search_again(const PlanarPose& estimate);
+  bool is_doubted() const;
+  void propose_fix(const PlanarPose& estimate);
 
   const SegmentMap& map_;
   TrackerOptions options_;
@@ -145,21 +155,23 @@ class Tracker {
   std::optional<PlanarPose> second_middle_;  // nothing: one mode
   std::unique_ptr<ViewScore> view_;
   ParticleSet particles_;
-  ScoreSignificance significance_;
+  ScoreSignificance significance_, standing_significance_;
+  std::optional<double> z_when_it_stopped_;  // of its first views
   GlobalSearch global_search_;
   std::optional<GlobalStart> global_start_;  // nothing: not wanted, or impossible on this map
   bool searching_streets_ = false;
   double searched_ = 0;                       // m driven since that began
+  double driven_at_fix_ = INFINITY;           // m, of the search, at the last fix
   double witnessed_m_ = 0, witnessed_s_ = 0;  // driven since its hypotheses were last witnessed
   PlaceCheck place_check_;
   GnssWitness gnss_;
   std::mt19937_64 random_;
-  PlanarPose odometry_;  // pose of the vehicle in the frame of the grid
-  bool started_ = false;
+  PlanarPose odometry_;                           // pose of the vehicle in the frame of the grid
+  bool started_ = false, was_confirmed_ = false;  // since the start
   TrackState state_ = TrackState::kLost;
   const char* reason_ = "no initial pose";
   double score_ = 0;
-  int updates_since_search_ = 0, updates_since_proposal_ = 0;
+  int updates_since_start_ = 0, updates_since_proposal_ = 0;
   PlanarPose odometry_at_update_;  // odometry pose at the last update
   double driven_s_ = 0;
   double odometry_position_variance_ = 0,

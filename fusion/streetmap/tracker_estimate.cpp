@@ -59,6 +59,9 @@ TrackerEstimate Tracker::estimate() const {
   estimate.elsewhere = place_check_.running() ? place_check_.elsewhere() : 0;
   estimate.gnss_offset = gnss_.offset();
   estimate.gnss_offset_sigma = gnss_.offset_sigma();
+  estimate.gnss_contradicts = gnss_.verdict() != GnssWitness::Verdict::kNone;
+  estimate.on_map = map_.covers(moments.mean.x, moments.mean.y);
+  estimate.updates = updates_since_start_;
   estimate.particles = static_cast<int>(particles_.all().size());
   return estimate;
 }

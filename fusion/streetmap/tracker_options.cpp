@@ -25,17 +25,12 @@ std::optional<std::string> ConfidenceOptions::invalid() const {
   if (null_draws < 1 || window < 1 || null_draws > 1000 || window > 1000) {
     return "confidence: null_draws and window must be 1 … 1000";
   }
-  if (!(max_tracking_p_value > 0 && max_tracking_p_value < min_lost_p_value &&
-        min_lost_p_value <= 1)) {
-    return "confidence: 0 < max_tracking_p_value < min_lost_p_value ≤ 1 is required";
+  if (!(max_tracking_p_value > 0 && max_tracking_p_value < max_kept_p_value &&
+        max_kept_p_value <= 1)) {
+    return "confidence: 0 < max_tracking_p_value < max_kept_p_value ≤ 1 is required";
   }
-  if (!(max_tracking_spread > 0 && max_tracking_spread < min_lost_spread &&
-        max_tracking_yaw_sigma > 0)) {
-    return "confidence: 0 < max_tracking_spread < min_lost_spread and max_tracking_yaw_sigma > 0 "
-           "are required";
-  }
-  if (!(search_radius > 0 && search_radius <= 1000 && search_yaw > 0)) {
-    return "confidence: search_radius must be 0 … 1000 m, search_yaw positive";
+  if (!(max_tracking_spread > 0 && max_tracking_yaw_sigma > 0)) {
+    return "confidence: max_tracking_spread and max_tracking_yaw_sigma must be positive";
   }
   if (!(map_sigma >= 0)) return "confidence: map_sigma must not be negative";
   return std::nullopt;

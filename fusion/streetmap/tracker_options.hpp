@@ -43,14 +43,12 @@ struct ConfidenceOptions {
   int null_draws = 10;  ///< number of displaced poses per update, the null distribution
   int window = 12;      ///< updates over which scores are compared with the null distribution
   double max_tracking_p_value = 0.05;  ///< maximum p-value of TRACKING
-  double min_lost_p_value = 0.35;      ///< p-value above which the track is LOST
+  double max_kept_p_value = 0.35;      ///< p-value up to which a confirmed place stays TRACKING;
+                                       ///< above, it is checked again
   double max_tracking_spread =
       2.0;  ///< m, standard deviation along the worst direction; above: UNSURE
-  double min_lost_spread = 12.0;                 ///< m; above: LOST
   double max_tracking_yaw_sigma = 0.1;           ///< rad; above: UNSURE
   double max_tracking_second_mode_weight = 0.2;  ///< weight of a second mode; above: UNSURE
-  double search_radius = 12.0;                   ///< m, radius of the search when LOST
-  double search_yaw = 0.25;                      ///< rad, heading range of that search
   double map_sigma =
       0.55;  ///< m: standard deviation of the map against the world; added to the covariance
 

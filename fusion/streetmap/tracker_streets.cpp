@@ -31,6 +31,7 @@ void Tracker::search_streets(const PlanarPose& motion, const Eigen::Matrix3d& co
     if (state_ != TrackState::kLost && !place_check_.running()) return;
     global_start_->restart(started_ ? std::optional(particles_.moments().mean) : std::nullopt);
     searching_streets_ = true;
+    driven_at_fix_ = INFINITY;
     searched_ = 0;
     if (!started_) reason_ = "no initial pose, searching all streets";
   }
@@ -63,7 +64,7 @@ void Tracker::use_found_street() {
   }
   // What was begun along this street is given time.
   const double distance = options_.global_start.same_place;
-  if (started_ && updates_since_search_ < options_.confidence.window &&
+  if (started_ && updates_since_start_ < options_.confidence.window &&
       is_same_place(particles_.moments().mean, found->pose, distance)) {
     return;
   }
@@ -78,8 +79,27 @@ bool Tracker::judges_streets() const {
 
 // A street that explains the drive, and much better than the one at a pose.
 bool Tracker::fits_another_street(const PlanarPose& pose) const {
-  return judges_streets() && global_start_->better_near(pose, INFINITY, kMinContradiction,
-                                                        options_.global_start.max_mean_misfit);
+  return judges_streets() &&
+         global_start_->better_near(pose, was_confirmed_ ? kProposalRadius : INFINITY,
+                                    kMinContradiction, options_.global_start.max_mean_misfit);
+}
+
+// The drive is at odds with a start that nothing confirmed.
+bool Tracker::is_refuted_start(const PlanarPose& pose) const {
+  return !was_confirmed_ && is_doubted() && judges_streets() &&
+         global_start_->behind(pose) > kMinProposed;
+}
+
+// The search has heard nothing of the fixes yet where it began anew.
+void Tracker::witness_streets_by_fix() {
+  const bool anew = global_start_->driven() < driven_at_fix_;
+  driven_at_fix_ = global_start_->driven();
+  const double cell = map_.frame().cell_size;
+  const double area = cell * map_.columns() * cell * map_.rows();
+  const auto evidence = [&](const PlanarPose& pose) {
+    return gnss_.log_likelihood_in(area, {pose.x, pose.y}, anew);
+  };
+  global_start_->weigh(std::cref(evidence));
 }
 
 bool Tracker::begin_witness() {
@@ -108,14 +128,15 @@ void Tracker::witness_streets(const GridSamples& samples) {
 }
 
 // A street that explains the drive better than the one at the estimate becomes a mode, and what the
-// sensors see decides. Where the estimate is lost, it may be anywhere, and beside the streets for a
-// part of the drive. True if there was one.
+// sensors see decides. A doubted start may be anywhere, and beside the streets for a part of the
+// drive. What was confirmed cannot be far from where odometry has it, and may be beside the streets
+// itself. True if there was one.
 bool Tracker::propose_street(const PlanarPose& pose) {
   if (!judges_streets() || updates_since_proposal_ < options_.confidence.window / 2) return false;
-  const bool lost = state_ == TrackState::kLost;
+  const bool anywhere = !was_confirmed_ && (is_doubted() || state_ == TrackState::kLost);
   const auto street =
-      global_start_->better_near(pose, lost ? INFINITY : kProposalRadius, kMinProposed,
-                                 lost ? INFINITY : options_.global_start.max_mean_misfit);
+      global_start_->better_near(pose, anywhere ? INFINITY : kProposalRadius, kMinProposed,
+                                 anywhere ? INFINITY : options_.global_start.max_mean_misfit);
   if (!street) return false;
   updates_since_proposal_ = 0;
   particles_.add_mode(street->pose, street->covariance.topLeftCorner<3, 3>());

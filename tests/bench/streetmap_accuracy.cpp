@@ -15,7 +15,7 @@ constexpr const char* kDocumentHeader =
     "Made by `./dev bench streetmap`, or section by section with `./dev bench "
     "streetmap:SECTION[=SEEDS]`:\n"
     "`one_image`, `kitti_00`, `kitti_05`, `kitti_07`, `street`, `country_road`, `motorway`, "
-    "`robot`, `wrong_initial_poses`,\n"
+    "`bare`, `robot`, `wrong_initial_poses`,\n"
     "`given_starts`, `given_starts_05`, `from_nothing`, `noisy_odometry`, `omission`, "
     "`wrong_maps`; sections that "
     "are missing below "
@@ -46,6 +46,7 @@ const std::vector<infuse::bench::Section>& sections() {
       {"street", "A street", 20, on("street", one_drive)},
       {"country_road", "A country road", 10, on("country_road", one_drive)},
       {"motorway", "A motorway", 10, on("motorway", one_drive)},
+      {"bare", "Streets without buildings", 6, bare},
       {"robot", "A robot in a pedestrian zone (I tables 3.5, 3.6)", 100,
        on("pedestrian_zone", robot)},
       {"wrong_initial_poses", "Wrong initial poses (I figure 3.19(c))", 20,

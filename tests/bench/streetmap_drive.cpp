@@ -159,6 +159,10 @@ bool render(const std::string& drive) {
     scenario = "kitti_route";
     more = " --map " + recorded + ".osm.bz2 --trajectory " + route;
   }
+  if (drive.starts_with("bare_")) {
+    scenario = "bare";
+    more = " --seed " + drive.substr(5);
+  }
   return std::filesystem::exists(rendered_drive(scenario, drive, more) / "drive.toml");
 }
 

@@ -34,9 +34,9 @@ struct DriveMap {
   SegmentMap map;
 };
 
-/// Makes `drive`, rendered once: "pedestrian_zone", "street", "kitti_00", "kitti_05" or
-/// "kitti_07", the latter with the recordings of INFUSE_REAL_DATA. On failure prints the reason to
-/// standard error and returns false.
+/// Makes `drive`, rendered once: the name of a scenario, "bare_SEED" of its family, or "kitti_00",
+/// "kitti_05", "kitti_07", the latter with the recordings of INFUSE_REAL_DATA. On failure prints
+/// the reason to standard error and returns false.
 bool render(const std::string& drive);
 
 /// True if `drive` exists.

@@ -53,6 +53,8 @@ bool one_image(std::ostream& out, int images);
 
 /// The tracker on a drive.
 void one_drive(std::ostream& out, const TestDrive& test_drive);
+/// Streets without buildings, on as many drives.
+bool bare(std::ostream& out, int drives);
 /// The kind of drive of the thesis, and the measures that it compares.
 void robot(std::ostream& out, const TestDrive& test_drive);
 /// The tracker with initial poses that are wrong by 1 to 6 m.

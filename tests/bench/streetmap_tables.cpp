@@ -32,6 +32,19 @@ void one_drive(std::ostream& out, const TestDrive& test_drive) {
   write_row(out, test_drive.drive, test_drive.run({}));
 }
 
+bool bare(std::ostream& out, int drives) {
+  constexpr int kSeedsOfDrive = 2, kFirstDrive = 1;
+  out << kTableHeader;
+  for (int i = 0; i < drives; ++i) {
+    const std::string drive = "bare_" + std::to_string(kFirstDrive + i);
+    if (!render(drive)) return false;
+    const TestDrive test_drive{drive, read_views(drive), make_map(drive), kSeedsOfDrive};
+    if (test_drive.views.empty()) return false;
+    write_row(out, drive, test_drive.run({}));
+  }
+  return true;
+}
+
 void robot(std::ostream& out, const TestDrive& test_drive) {
   out << kTableHeader;
   RunOptions options;

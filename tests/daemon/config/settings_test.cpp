@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "drivers/measurement/angles.hpp"
+
 namespace infuse::daemon {
 namespace {
 
@@ -124,10 +126,22 @@ TEST(Config, ABrokerThatTheUnitMayDenyIsADoubt) {
   }
 }
 
+TEST(Config, AHeadingThatIsNotStatedIsUnknown) {
+  for (const char* place : {"x = 3\ny = 4\n", "lat = 49\nlon = 8\n"}) {
+    const auto config = parse_config(std::string("[streetmap]\n") + place, "c.toml");
+    ASSERT_TRUE(config) << config.error().message();
+    const streetmap::MapFrame frame{
+        .georeferenced = true, .latitude = 49 * kDegree, .longitude = 8 * kDegree};
+    const auto start = stated_start(config->streetmap, frame);
+    ASSERT_TRUE(start);
+    EXPECT_NEAR(start->yaw_sigma, 180 * kDegree / std::sqrt(3), 1e-9);  // uniform over ± 180°
+  }
+}
+
 TEST(Config, TheStreetMapIsReadAndChecked) {
   const auto config = parse_config(
       "[streetmap]\nmap = \"town.map\"\nx = 12.5\ny = -3\nyaw_deg = 90\nsigma = 4\n"
-      "yaw_sigma_deg = 5\nupdate_hz = 5\nsearch_radius = 20\nseed = 7\n",
+      "yaw_sigma_deg = 5\nupdate_hz = 5\nseed = 7\n",
       "c.toml");
   ASSERT_TRUE(config) << config.error().message();
   const StreetMapSettings& settings = config->streetmap;
@@ -135,11 +149,10 @@ TEST(Config, TheStreetMapIsReadAndChecked) {
   ASSERT_TRUE(settings.initial_pose);
   EXPECT_EQ(settings.initial_pose->x, 12.5);
   EXPECT_EQ(settings.initial_pose->y, -3);
-  EXPECT_NEAR(settings.initial_pose->yaw, 1.5707963, 1e-6);
+  EXPECT_NEAR(settings.initial_pose->yaw.value(), 1.5707963, 1e-6);
   EXPECT_EQ(settings.initial_sigma, 4);
   EXPECT_NEAR(settings.initial_yaw_sigma, 0.0872665, 1e-6);
   EXPECT_EQ(settings.update_hz, 5);
-  EXPECT_EQ(settings.tracker.confidence.search_radius, 20);
   EXPECT_EQ(settings.tracker.seed, 7U);
   const auto located = parse_config(
       "[streetmap]\nlat = 49\nlon = 8.4\nheading_deg = 180\nrequire_tracking = false\n"
@@ -149,7 +162,7 @@ TEST(Config, TheStreetMapIsReadAndChecked) {
   ASSERT_TRUE(located->streetmap.initial_location);
   EXPECT_NEAR(located->streetmap.initial_location->latitude, 0.8552113, 1e-6);
   EXPECT_NEAR(located->streetmap.initial_location->longitude, 0.1466077, 1e-6);
-  EXPECT_NEAR(located->streetmap.initial_location->heading, 3.1415927, 1e-6);
+  EXPECT_NEAR(located->streetmap.initial_location->heading.value(), 3.1415927, 1e-6);
   EXPECT_FALSE(located->streetmap.require_tracking);
   EXPECT_FALSE(located->streetmap.tracker.global_start.enabled);
   EXPECT_TRUE(settings.tracker.global_start.enabled);

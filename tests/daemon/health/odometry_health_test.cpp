@@ -32,7 +32,22 @@ TEST(OdometryHealth, NamesTheSourceThatContradicts) {
   const auto& findings = health.update(now + from_seconds(1), status_of(450, 300)).findings();
   ASSERT_EQ(findings.size(), 1U);
   EXPECT_STREQ(findings[0].id, "contradiction");
-  EXPECT_EQ(findings[0].what, "wheels contradicts the motion carried by lidar");
+  EXPECT_EQ(findings[0].what, "the motion carried by lidar is contradicted by wheels");
+}
+
+// Most of its samples are rejected, but some still carry the motion.
+TEST(OdometryHealth, NoSourceContradictsItself) {
+  OdometryHealth health{HealthOptions{}};
+  for (uint64_t second = 1; second < 6; ++second) {
+    OdometryStatus status = status_of(10 * second, 50 * second);
+    status.sources[static_cast<size_t>(motion::OdometrySource::kWheels)].carries = true;
+    const auto& findings =
+        health.update(Stamp::from_ns(static_cast<int64_t>(second) * 1'000'000'000), status)
+            .findings();
+    if (second < 5) continue;
+    ASSERT_EQ(findings.size(), 1U);
+    EXPECT_EQ(findings[0].what, "the motion carried by lidar is contradicted by wheels");
+  }
 }
 
 TEST(OdometryHealth, SaysWhatToAddWhenNothingSuffices) {

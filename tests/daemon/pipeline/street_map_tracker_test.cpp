@@ -203,7 +203,7 @@ TEST_F(StreetMapTrackerTest, AGapInOdometryWidensTheParticles) {
 
 TEST(StreetMapSettings, InvalidSettingsAreErrors) {
   EXPECT_FALSE(StreetMapSettings().invalid());
-  EXPECT_TRUE((StreetMapSettings{.initial_pose = InitialPose{1e9, 0, 0}}).invalid());
+  EXPECT_TRUE((StreetMapSettings{.initial_pose = InitialPose{INFINITY, 0, 0}}).invalid());
   EXPECT_TRUE(StreetMapSettings{.initial_sigma = 0}.invalid());
   EXPECT_TRUE(StreetMapSettings{.update_hz = 0}.invalid());
 }
@@ -212,15 +212,28 @@ TEST(StreetMapHealth, RaisesFindingsWithThePosition) {
   HealthOptions options;
   options.raise_after = options.clear_after = Duration::zero();
   AlertChecks<StreetMapStatus> health(streetmap_alerts(), options);
-  StreetMapStatus status{
-      .state = TrackState::kLost, .reason = "x", .mismatch = true, .x = 120.4, .y = -33};
+  StreetMapStatus status{.state = TrackState::kLost,
+                         .reason = "x",
+                         .mismatch = true,
+                         .on_map = true,
+                         .x = 120.4,
+                         .y = -33};
   const auto& conditions = health.update(Stamp::from_ns(1), status);
   ASSERT_EQ(conditions.findings().size(), 2U);
   EXPECT_STREQ(conditions.findings()[0].id, "lost");
   EXPECT_STREQ(conditions.findings()[1].id, "map_mismatch");
   EXPECT_NE(conditions.findings()[1].what.find("120 m east, -33 m north"), std::string::npos);
-  status = {.state = TrackState::kTracking};
+  status = {.state = TrackState::kLost, .reason = "no initial pose"};
   health.update(Stamp::from_ns(2), status);
+  EXPECT_EQ(conditions.findings()[0].what, "position on the street map lost: no initial pose");
+  status = {.state = TrackState::kUnsure,
+            .gnss_contradicts = true,
+            .gnss_offset = Eigen::Vector2d(30, -40)};
+  health.update(Stamp::from_ns(3), status);
+  ASSERT_EQ(conditions.findings().size(), 1U);
+  EXPECT_EQ(conditions.findings()[0].what, "GNSS fixes are 50 m off the pose on the street map");
+  status = {.state = TrackState::kTracking};
+  health.update(Stamp::from_ns(4), status);
   EXPECT_TRUE(conditions.findings().empty());
 }
 

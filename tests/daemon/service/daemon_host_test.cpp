@@ -64,7 +64,7 @@ TEST_F(DaemonHostTest, AnUnreadableStreetMapIsAnError) {
   EXPECT_THAT(opened.error().error.message(), HasSubstr("missing.map"));
 }
 
-TEST_F(DaemonHostTest, AnInitialLocationNeedsAMapWithLatitudeAndLongitude) {
+TEST_F(DaemonHostTest, AnInitialPoseMustSuitTheMap) {
   CameraFrame image{.width = 40, .height = 40};
   image.pixels.assign(1600, 240);
   std::fill(image.pixels.begin(), image.pixels.begin() + 800, uint8_t{100});
@@ -75,6 +75,11 @@ TEST_F(DaemonHostTest, AnInitialLocationNeedsAMapWithLatitudeAndLongitude) {
   config_.folder = folder_ / "";
   config_.streetmap.map = "drawn.map";
   EXPECT_TRUE(DaemonHost(config_, {}).open(rig_, socket()));
+  config_.streetmap.initial_pose = InitialPose{-7e6, 0};
+  const auto outside = DaemonHost(config_, {}).open(rig_, socket());
+  ASSERT_FALSE(outside);
+  EXPECT_THAT(outside.error().error.message(), HasSubstr("7000.0 km"));
+  config_.streetmap.initial_pose.reset();
   config_.streetmap.initial_location = InitialLocation{};
   const auto opened = DaemonHost(config_, {}).open(rig_, socket());
   ASSERT_FALSE(opened);

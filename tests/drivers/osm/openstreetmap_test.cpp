@@ -211,6 +211,23 @@ TEST(OpenStreetMap, RejectsInvalidFilesAndWarnsAboutEmptyMaps) {
               HasSubstr("more than 20 elements"));
 }
 
+// Extracts across that meridian go on beyond 180 degrees.
+TEST(OpenStreetMap, KeepsNodesBeyondTheMeridianOf180Degrees) {
+  const ScratchFolder folder;
+  folder.write("fiji.osm",
+               "<osm version='0.6'><node id='1' version='1' lat='-16.8' lon='179.999'/>"
+               "<node id='2' version='1' lat='-16.8' lon='180.001'/>"
+               "<way id='3' version='1'><nd ref='1'/><nd ref='2'/><tag k='highway' v='road'/></way>"
+               "</osm>");
+  const auto map = read_openstreetmap(folder / "fiji.osm");
+  ASSERT_TRUE(map) << map.error().message();
+  EXPECT_TRUE(map->warnings.empty()) << join_messages(map->warnings);
+  ASSERT_EQ(map->ways.size(), 1u);
+  ASSERT_EQ(map->ways[0].points.size(), 2u);
+  EXPECT_NEAR(map->ways[0].points[1].longitude, 180.001 * kDegree, 1e-9);
+  EXPECT_NEAR(map->centre_longitude, 180 * kDegree, 1e-9);
+}
+
 TEST(OpenStreetMap, WarningsAreBounded) {
   const ScratchFolder folder;
   std::string text = "<osm version='0.6'>";

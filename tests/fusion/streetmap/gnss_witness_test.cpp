@@ -53,6 +53,38 @@ TEST(GnssWitness, ADilutedFixProvesLittle) {
   EXPECT_GT(witness.log_likelihood({0, 0}), -0.01);
 }
 
+// A receiver that is wrong altogether is anywhere in the area: a factor of ln(area) at most.
+TEST(GnssWitness, OfPlacesInALargeAreaAFixRulesOutTheMore) {
+  GnssWitness witness({});
+  witness.add({{0, 0}, {}, 1});
+  const auto odds = [&](double area) {
+    return witness.log_likelihood_in(area, {3, 0}, true) -
+           witness.log_likelihood_in(area, {500, 0}, true);
+  };
+  EXPECT_NEAR(odds(4e6) - odds(4e4), std::log(100), 0.01);
+  EXPECT_GT(odds(4e6), 12);
+  EXPECT_LT(odds(4e6), 17);
+  witness.advance(0.5);
+  witness.add({{0, 0}, {}, 1});
+  EXPECT_GT(witness.log_likelihood_in(4e6, {500, 0}, false), -0.5) << "its error lasts";
+  witness.advance(60);
+  witness.add({{0, 0}, {}, 15});
+  EXPECT_GT(witness.log_likelihood_in(4e6, {60, 0}, false), -2) << "few satellites";
+  EXPECT_LT(witness.log_likelihood_in(4e6, {500, 0}, false), -7);
+}
+
+TEST(GnssWitness, ThePlaceIsTheFixWhereTheOffsetDoesNotFollow) {
+  GnssWitness witness({});
+  add_fixes(witness, 5, {3000, 0}, 1);
+  ASSERT_TRUE(witness.place({0, 0}));
+  EXPECT_NEAR((witness.place({0, 0})->position - Eigen::Vector2d(3000, 0)).norm(), 0, 8);
+  GnssWitness near({});
+  EXPECT_EQ(near.log_odds({12, 0}, {0, 0}), 0) << "no fix";
+  add_fixes(near, 20, {12, 0}, 1);
+  EXPECT_GT(near.log_odds({12, 0}, {0, 0}), 1);
+  EXPECT_LT(near.log_odds({-12, 0}, {0, 0}), -1);
+}
+
 TEST(GnssWitness, SingleOutliersDoNotContradict) {
   GnssWitness witness({});
   for (uint64_t i = 0; i < 20; ++i) {

@@ -136,21 +136,6 @@ TEST(ParticleSet, TheNumberFollowsTheSpread) {
   EXPECT_LE(set.all().size(), 5000U);
 }
 
-TEST(ParticleSet, ADiscIsFilledUniformly) {
-  ParticleOptions options = noise_free_options();
-  options.max_count = 8000;
-  ParticleSet set(options, 6);
-  set.scatter_disc({5, 5, 1}, 10, 0.2);
-  int inner = 0;
-  for (const Particle& particle : set.all()) {
-    const double r = std::hypot(particle.pose.x - 5, particle.pose.y - 5);
-    EXPECT_LE(r, 10);
-    EXPECT_LE(std::abs(particle.pose.yaw - 1), 0.2);
-    inner += r < 5;
-  }
-  EXPECT_NEAR(inner, 2000, 150);
-}
-
 TEST(ParticleSet, ASecondModeIsWeightedAgainstTheFirst) {
   ParticleOptions options = noise_free_options();
   options.min_count = options.max_count = 300;

@@ -133,21 +133,78 @@ TEST(Tracker, TheSameSeedGivesTheSamePoses) {
   EXPECT_NE(poses[0], poses[2]);
 }
 
-TEST(Tracker, IsLostWhenNothingMatches) {
+// A confirmed place, then 60 m where the map says nothing of what is seen, then the map again.
+TEST(Tracker, TheWantOfEvidenceLosesNothing) {
+  Tracker tracker(shared_town().map, fast_options());
+  PlanarPose truth = drive(tracker, {0, 0, 0}, 0.5, 1, 25).truth;
+  ASSERT_EQ(tracker.estimate().state, TrackState::kTracking);
+  const double known = tracker.estimate().covariance.topLeftCorner<2, 2>().trace();
+  double widest = 0;
+  int lost = 0, unsure = 0, outside = 0;
+  for (uint64_t i = 0; i < 90; ++i) {
+    const bool blind = i < 60;
+    const double step = i < 30 ? 1 : i < 60 ? -1 : 0.5;  // there and back
+    truth = truth.compose({step, 0, 0});
+    tracker.predict({step, 0, 0}, covariance(0.05, 0.001), kUpdatePeriod);
+    tracker.update(sample_view(shared_town().map, truth, 3000 + i, blind));
+    const TrackerEstimate estimate = tracker.estimate();
+    lost += estimate.state == TrackState::kLost;
+    unsure += blind && estimate.state == TrackState::kUnsure;
+    const Eigen::Vector2d d(estimate.pose.x - truth.x, estimate.pose.y - truth.y);
+    const Eigen::Matrix2d C = estimate.covariance.topLeftCorner<2, 2>();
+    outside += estimate.state == TrackState::kTracking && d.dot(C.inverse() * d) > 9.21;
+    if (blind) widest = std::max(widest, C.trace());
+  }
+  EXPECT_EQ(lost, 0);
+  EXPECT_GT(unsure, 20);
+  EXPECT_GT(widest, 1.2 * known) << "the region grows by odometry";
+  EXPECT_LE(outside, 1);
+  EXPECT_EQ(tracker.estimate().state, TrackState::kTracking);
+  EXPECT_LT(std::hypot(tracker.estimate().pose.x - truth.x, tracker.estimate().pose.y - truth.y),
+            1);
+}
+
+TEST(Tracker, AStartThatNothingMatchesIsNeverTracking) {
   Tracker tracker(shared_town().map, fast_options());
   const PlanarPose pose{-60, 0, 0};
   tracker.start(pose, covariance(1, 0.05));
-  int lost = 0, tracking = 0;
   for (uint64_t i = 0; i < 40; ++i) {
     tracker.predict({0.5, 0, 0}, covariance(0.01, 0.001), kUpdatePeriod);
     tracker.update(sample_view(shared_town().map, pose, i, true));
-    lost += tracker.estimate().state == TrackState::kLost;
-    tracking += tracker.estimate().state == TrackState::kTracking;
+    EXPECT_NE(tracker.estimate().state, TrackState::kTracking) << i;
   }
-  EXPECT_GT(lost, 15);
-  EXPECT_EQ(tracking, 0);
-  EXPECT_FALSE(tracker.estimate().usable());
   EXPECT_STRNE(tracker.estimate().reason, "");
+}
+
+// Off the map by its eastern edge, and back: the region follows odometry there.
+TEST(Tracker, ReturnsToTheMapByOdometry) {
+  const town::Town& town = shared_town();
+  const double edge =
+      town.map.frame().min_corner.x() + town.map.columns() * town.map.frame().cell_size;
+  Tracker tracker(town.map, fast_options());
+  PlanarPose truth{100, -1.2, 0};
+  tracker.start(truth, covariance(0.5, 0.03));
+  uint64_t view = 0;
+  bool was_outside = false, was_tracking = false;
+  const auto go = [&](double step, double until) {
+    while ((until - truth.x) * step > 0) {
+      truth = truth.compose({step, 0, 0});
+      tracker.predict({step, 0, 0}, covariance(0.02, 5e-4), kUpdatePeriod);
+      tracker.update(sample_view(town.map, truth, 5000 + view++));
+      const TrackerEstimate estimate = tracker.estimate();
+      was_tracking |= estimate.state == TrackState::kTracking;
+      EXPECT_FALSE(was_tracking && estimate.state == TrackState::kLost) << truth.x;
+      was_outside |= !estimate.on_map;
+    }
+  };
+  go(-1, 60);
+  go(2, edge + 20);
+  EXPECT_TRUE(was_tracking);
+  EXPECT_TRUE(was_outside);
+  go(-2, -70);
+  EXPECT_LT(std::hypot(tracker.estimate().pose.x - truth.x, tracker.estimate().pose.y - truth.y),
+            2);
+  EXPECT_EQ(tracker.estimate().state, TrackState::kTracking) << tracker.estimate().reason;
 }
 
 TEST(Tracker, RecoversAfterAJump) {
@@ -174,8 +231,8 @@ TEST(Tracker, RecoversAfterAJump) {
   EXPECT_EQ(tracker.estimate().state, TrackState::kTracking);
 }
 
-// Lost within the search radius: the state is LOST until the pose is found, and correct afterwards.
-TEST(Tracker, RecoversWithinTheSearchRadius) {
+// An honest start: UNSURE until the place is found, and never LOST.
+TEST(Tracker, AWideStartIsFound) {
   int found = 0;
   for (const uint64_t seed : {1U, 2U, 3U, 4U}) {
     TrackerOptions options = fast_options();
@@ -184,17 +241,15 @@ TEST(Tracker, RecoversWithinTheSearchRadius) {
     Tracker tracker(shared_town().map, options);
     PlanarPose truth{-80, -1.2, 0.02};
     const double direction = 1.5 * static_cast<double>(seed);
-    const double radius = options.confidence.search_radius;
-    tracker.search(truth.compose({8 * std::cos(direction), 8 * std::sin(direction), 0.1}), radius,
-                   options.confidence.search_yaw);
-    EXPECT_EQ(tracker.estimate().state, TrackState::kLost);
-    EXPECT_FALSE(tracker.estimate().usable());
+    tracker.start(truth.compose({8 * std::cos(direction), 8 * std::sin(direction), 0.1}),
+                  covariance(seed == 4 ? 20 : 8, 0.15));
     int tracking = 0, within = 0;
     for (int i = 0; i < 34; ++i) {
       truth = truth.compose({2, 0, truth.yaw < 0.5 ? -0.05 * truth.yaw : 0});
       tracker.predict({2, 0, -0.05 * truth.yaw}, covariance(0.02, 0.002), kUpdatePeriod);
       tracker.update(sample_view(shared_town().map, truth, seed * 1000 + static_cast<uint64_t>(i)));
       const TrackerEstimate estimate = tracker.estimate();
+      EXPECT_NE(estimate.state, TrackState::kLost) << seed << " " << estimate.reason;
       if (estimate.state != TrackState::kTracking) continue;
       ++tracking;
       const Eigen::Vector2d d(estimate.pose.x - truth.x, estimate.pose.y - truth.y);
@@ -241,6 +296,19 @@ TEST(Tracker, GnssLeadsBackFromFarAway) {
   EXPECT_LE(driven.tracking - driven.within, 1);
 }
 
+// 3 km off the map, with good fixes: back within 15 s.
+TEST(Tracker, FixesLeadBackToTheMap) {
+  for (const uint64_t seed : {1U, 2U, 3U}) {
+    TrackerOptions options = fast_options();
+    options.seed = seed;
+    Tracker tracker(shared_town().map, options);
+    const DriveResult driven = drive(tracker, {3000, 0, 0}, 1, seed, 60, true);
+    EXPECT_EQ(driven.state, TrackState::kTracking) << seed << tracker.estimate().reason;
+    EXPECT_LT(std::hypot(driven.last.x - driven.truth.x, driven.last.y - driven.truth.y), 2);
+    EXPECT_LE(driven.tracking - driven.within, 1) << seed;
+  }
+}
+
 TEST(Tracker, AGivenStartIsUnsureUntilAlongAndAcrossAreConfirmed) {
   TrackerOptions options = fast_options();
   options.novelty_distance = 20;
@@ -272,7 +340,7 @@ TEST(Tracker, NoBiasMovesAVehicleThatStands) {
     }
   }
   EXPECT_EQ(tracker.estimate().state, TrackState::kLost);
-  EXPECT_STREQ(tracker.estimate().reason, "searching for the position on the map");
+  EXPECT_STREQ(tracker.estimate().reason, "GNSS fixes contradict the pose on the map");
 }
 
 TEST(Tracker, StandingStillIsNoEvidence) {
@@ -287,6 +355,27 @@ TEST(Tracker, StandingStillIsNoEvidence) {
   EXPECT_NEAR(std::hypot(tracker.estimate().pose.x - driven.last.x,
                          tracker.estimate().pose.y - driven.last.y),
               0, 0.02);
+}
+
+// On a ferry, or with wheels that do not turn: odometry stands, and what is seen goes by.
+TEST(Tracker, IsNotSureWhileItIsCarried) {
+  for (const bool carried : {false, true}) {
+    Tracker tracker(shared_town().map, fast_options());
+    PlanarPose truth = drive(tracker, {0, 0, 0}, 0.5, 1, 25).truth;
+    int tracking = 0;
+    for (uint64_t i = 0; i < 60; ++i) {
+      if (carried && i >= 20) truth = truth.compose({1.5, 0, 0});
+      tracker.predict({}, Eigen::Matrix3d::Zero(), kUpdatePeriod);
+      tracker.update(sample_view(shared_town().map, truth, 7000 + i));
+      tracking += tracker.estimate().state == TrackState::kTracking;
+    }
+    if (carried) {
+      EXPECT_LT(tracking, 40);
+      EXPECT_STREQ(tracker.estimate().reason, "what is seen changes though odometry stands");
+    } else {
+      EXPECT_EQ(tracking, 60);
+    }
+  }
 }
 
 TEST(Tracker, IsLostOutsideTheMap) {
@@ -355,6 +444,33 @@ TEST(Tracker, WhereBlocksAreAlikeTheSensorsDecide) {
     const PlanarPose error = truth.motion_to(tracker.estimate().pose);
     EXPECT_LT(std::hypot(error.x, error.y), 4);
   }
+}
+
+// Of few satellites too: fixes rule streets out long before turns do.
+TEST(Tracker, FixesShortenTheSearchOfAllStreets) {
+  const town::Town town = town::build(town::irregular_streets());
+  double started_after[2] = {1e9, 1e9};
+  for (const bool gnss : {false, true}) {
+    Tracker tracker(town.map, fast_options());
+    PlanarPose truth{20, -1, 0};
+    int sweeps = 0;
+    for (const auto& [length, turn] : town::irregular_drive()) {
+      const int steps = static_cast<int>(std::ceil(6 * std::abs(turn)));
+      for (int i = 0; i < static_cast<int>(length) + steps && !tracker.started(); ++i) {
+        const PlanarPose motion{1, 0, i < static_cast<int>(length) ? 0 : turn / steps};
+        truth = truth.compose(motion);
+        tracker.predict({1.01, 0, motion.yaw}, covariance(0.01, 0.001), Duration(125'000'000));
+        if (gnss && sweeps % 8 == 0) tracker.add_fix({{truth.x + 15, truth.y - 10}, {}, 10});
+        if (++sweeps % 4 != 0) continue;
+        tracker.update(sample_view(town.map, truth, static_cast<uint64_t>(sweeps)));
+      }
+    }
+    ASSERT_TRUE(tracker.started());
+    const PlanarPose error = truth.motion_to(tracker.estimate().pose);
+    EXPECT_LT(std::hypot(error.x, error.y), 12) << gnss;
+    started_after[gnss] = sweeps;
+  }
+  EXPECT_LT(started_after[true], 0.75 * started_after[false]);
 }
 
 TEST(Tracker, IsLostBeforeItsStart) {
