@@ -8,22 +8,13 @@
 namespace infuse::daemon {
 namespace {
 
-/// Colour from blue over green to red.
-Colour colour_of(float fraction) {
-  const auto bump = [fraction](float centre) {
-    const float value = std::clamp(1.5F - 3 * std::abs(fraction - centre), 0.0F, 1.0F);
-    return static_cast<uint8_t>(60 + std::lround(195 * value));
-  };
-  return {bump(0), bump(0.5F), bump(1)};
-}
-
 void draw_points(TwoViewsFromAbove& views, int view, const Sweep& sweep,
                  const FieldVector<float>& x, const FieldVector<float>& y,
                  const FieldVector<float>& z) {
   const float span = std::max(1.0F, static_cast<float>(sweep.span.count()));
   for (size_t i = 0; i < x.size(); ++i) {
     const float offset = sweep.has_times ? static_cast<float>(sweep.time_offset_ns[i]) : 0;
-    views.draw(view, x[i], y[i], z[i], colour_of(offset / span));
+    views.draw(view, x[i], y[i], z[i], fraction_colour(offset / span));
   }
 }
 

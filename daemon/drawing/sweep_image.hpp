@@ -7,7 +7,7 @@
 namespace infuse::daemon {
 
 /// Draws a sweep from above, twice: as measured on the left, deskewed on the right. 40 m to each
-/// side, x up, without the ground. Colours run from blue at the beginning of the sweep to red at
+/// side, x up, without the ground. Colours run from blue at the beginning of the sweep to yellow at
 /// its end, so that the seam shows the effect of the motion.
 CameraFrame draw_sweep(const Sweep& sweep, const motion::DeskewedSweep& deskewed);
 

@@ -6,10 +6,10 @@
 namespace infuse::daemon {
 namespace {
 
-constexpr int kViewSize = 800;      // pixels of each view
-constexpr int kMargin = 8;          // pixels between them
-constexpr float kMaxDistance = 40;  // m to each side
-constexpr float kMinHeight = -1;    // m, lidar frame: below is ground
+constexpr int kViewSize = 800;  // pixels of each view
+constexpr int kMargin = 8;      // pixels between them
+constexpr auto kMaxDistance = static_cast<float>(kSweepViewMetres);
+constexpr float kMinHeight = -1;  // m, lidar frame: below is ground
 
 void set_pixel(CameraFrame& image, int column, int row, const Colour& colour) {
   uint8_t* pixel = image.pixels.data() + static_cast<size_t>(row) * image.row_bytes() +

@@ -1,13 +1,12 @@
 #pragma once
 
-#include <array>
-
+#include "daemon/drawing/colour_scale.hpp"
 #include "drivers/measurement/camera_frame.hpp"
 
 namespace infuse::daemon {
 
-/// Blue, green, red.
-using Colour = std::array<uint8_t, 3>;
+/// Half the edge of each view from above, m.
+inline constexpr double kSweepViewMetres = 40;
 
 /// Two views from above beside each other, 40 m to each side of the sensor, x up, without the
 /// ground.
