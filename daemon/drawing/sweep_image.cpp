@@ -21,7 +21,8 @@ void draw_points(TwoViewsFromAbove& views, int view, const Sweep& sweep,
 }  // namespace
 
 CameraFrame draw_sweep(const Sweep& sweep, const motion::DeskewedSweep& deskewed) {
-  TwoViewsFromAbove views;
+  TwoViewsFromAbove views({"as measured", "deskewed"}, {{"start of turn", fraction_colour(0)},
+                                                        {"end of turn", fraction_colour(1)}});
   draw_points(views, 0, sweep, sweep.x, sweep.y, sweep.z);
   draw_points(views, 1, sweep, deskewed.x, deskewed.y, deskewed.z);
   return views.take();
@@ -29,8 +30,9 @@ CameraFrame draw_sweep(const Sweep& sweep, const motion::DeskewedSweep& deskewed
 
 CameraFrame draw_alignment(const Sweep& target, const Sweep& source,
                            const Eigen::Isometry3d& T_before, const Eigen::Isometry3d& T_after) {
-  TwoViewsFromAbove views;
-  constexpr Colour kTarget{255, 160, 60}, kSource{60, 120, 255};  // blue and red
+  // Blue and orange, which the colour-blind tell apart (Okabe and Ito, 2008).
+  constexpr Colour kTarget{233, 180, 86}, kSource{0, 159, 230};
+  TwoViewsFromAbove views({"before", "after"}, {{"target", kTarget}, {"source", kSource}});
   for (const int view : {0, 1}) {
     for (size_t i = 0; i < target.size(); ++i) {
       views.draw(view, target.x[i], target.y[i], target.z[i], kTarget);

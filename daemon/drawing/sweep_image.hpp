@@ -12,7 +12,7 @@ namespace infuse::daemon {
 CameraFrame draw_sweep(const Sweep& sweep, const motion::DeskewedSweep& deskewed);
 
 /// Draws two sweeps from above in the target's frame, twice: before (left) and after their
-/// alignment. The target is blue, the source red. Poses are T_target_source.
+/// alignment. The target is blue, the source orange. Poses are T_target_source.
 CameraFrame draw_alignment(const Sweep& target, const Sweep& source,
                            const Eigen::Isometry3d& T_before, const Eigen::Isometry3d& T_after);
 
