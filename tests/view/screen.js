@@ -17,8 +17,10 @@ try {
     args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader']});
   const page = await browser.newPage();
   await page.setViewport({width: 1600, height: 1000});
-  for (let k = 0; k < 100 && !await page.goto(`http://127.0.0.1:${port}/`).then(() => true, () => false); ++k) await sleep(200);
-  for (let k = 0; k < 100 && !await page.evaluate('player.history.newest !== null'); ++k) await sleep(100);
+  const opened = () => page.goto(`http://127.0.0.1:${port}/`, {waitUntil: 'domcontentloaded', timeout: 60000}).then(() => true, () => false);
+  for (let k = 0; k < 100 && !await opened(); ++k) await sleep(200);
+  const begun = () => page.evaluate('player.history.newest !== null').catch(() => false);
+  for (let k = 0; k < 300 && !await begun(); ++k) await sleep(200);
   await page.evaluate(t => player.goTo(driveStart + t), until - 4);  // from there at its pace: profiles come every two seconds
   await page.evaluate('scene.accumulate = 10');
   const time = () => page.evaluate('player.history.newest - driveStart');
