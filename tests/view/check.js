@@ -164,12 +164,12 @@ await sleep(2500);
 check('a pause holds the replay', /^connected/.test(await text(page, '#connection')) && /paused/.test(paused) && paused === await text(page, '#cursor'), paused);
 await page.keyboard.press(' ');
 await page.click('#finish');
-check('a run to the end ends there', await waitFor(async () => /the end$/.test(await text(page, '#cursor')), 120000), await text(page, '#cursor'));
+check('a run to the end ends there', await waitFor(async () => /s the end$/.test(await text(page, '#cursor')), 120000), await text(page, '#cursor'));
 check('reports are the same with a page', await waitFor(() => fs.readFileSync(plain).equals(fs.readFileSync(watched))),
   `${fs.statSync(watched).size} bytes`);
 // The daemon stays: a page that is opened now has the reports of the whole drive, and its last sweep.
 await page.reload();
-check('the end is shown after a reload', await waitFor(async () => /the end$/.test(await text(page, '#cursor'))), await text(page, '#cursor'));
+check('the end is shown after a reload', await waitFor(async () => /s the end$/.test(await text(page, '#cursor'))), await text(page, '#cursor'));
 check('with the last sweep', await waitFor(async () => /returns shown/.test(await text(page, '#sweep'))));
 check('and the course from the start', await page.evaluate('course.states.get("health")[0].t - driveStart') < 1.5);
 // Scrubbing: the time under the pointer is shown at once.
@@ -235,7 +235,7 @@ run = start('--rate', '0.25', '--reports', sought);
   }
   await view.evaluate('player.follow()');
   await jump(ended + 1000);
-  await waitFor(async () => /the end$/.test(await text(view, '#cursor')), 120000);
+  await waitFor(async () => /s the end$/.test(await text(view, '#cursor')), 120000);
   check('reports are the same with steps and seeks', fs.readFileSync(plain).equals(fs.readFileSync(sought)));
   await stop(run);
   await waitFor(async () => /ended/.test(await text(view, '#connection')));

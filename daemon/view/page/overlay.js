@@ -102,9 +102,12 @@ class Overlay {
   }
 
   draw() {
-    if (!this.frame || !this.canvas.clientWidth) return;
+    if (!this.frame || !this.box.clientWidth) return;
     const {header, points} = this.frame, T = this.calibration(), context = this.canvas.getContext('2d');
     [this.canvas.width, this.canvas.height] = [header.width, header.height];
+    // As large as its panel, whatever the image's size; where panels are swiped, as wide (style.css).
+    const {clientWidth, clientHeight} = this.canvas.parentElement, scale = Math.min(clientWidth / header.width, clientHeight / header.height);
+    [this.canvas.style.width, this.canvas.style.height] = [`${Math.floor(header.width * scale)}px`, `${Math.floor(header.height * scale)}px`];
     context.drawImage(this.image, 0, 0, header.width, header.height);
     const size = Math.max(1.5, header.width / 640 * remembered.size), drawn = this.drawn = [];
     context.globalAlpha = remembered.opacity;

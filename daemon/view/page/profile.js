@@ -44,7 +44,7 @@ function profileElements(frame, report, size) {
   const margin = 0.08 * Math.max(high - low, 1e-6);
   [low, high] = known.length ? [low - margin, high + margin] : [0, 1];
   const scale = axis => axis < 3 ? 180 / Math.PI : 100;
-  const charts = profileAxes.map((title, axis) => profileChart({title, ...size, unit: axis < 3 ? '°' : 'cm', digits: axis < 3 ? 2 : 1,
+  const charts = known.length === 0 && !report?.offset ? [] : profileAxes.map((title, axis) => profileChart({title, ...size, unit: axis < 3 ? '°' : 'cm', digits: axis < 3 ? 2 : 1,
     halfWidth: scale(axis) * (axis < 3 ? rotation ?? 0.035 : translation ?? 0.2), low, high,
     curves: known.map(([name, , colour, dash]) => ({nats: profiles[name][axis], colour, dash})),
     estimate: report?.offset && report.offset_sigma[axis] < 1e3
