@@ -1,5 +1,6 @@
 #include "daemon/view/report_store.hpp"
 
+#include <cstddef>
 #include <utility>
 
 namespace infuse::daemon {
@@ -27,6 +28,11 @@ void ReportStore::thin() {
     kept.push_back(std::move(lines_[i]));
   }
   lines_ = std::move(kept);
+  if (bytes_ <= max_bytes_) return;
+  // Alerts alone are too many: the oldest half goes.
+  const auto middle = lines_.begin() + static_cast<std::ptrdiff_t>((lines_.size() + 1) / 2);
+  for (auto line = lines_.begin(); line != middle; ++line) bytes_ -= line->text.size();
+  lines_.erase(lines_.begin(), middle);
 }
 
 std::string ReportStore::text() const {
