@@ -31,5 +31,12 @@ TEST(ReportStore, KeepsAlertsAndThinsTheRestWithinItsBytes) {
   }
 }
 
+TEST(ReportStore, ManyAlertsDoNotGrowIt) {
+  ReportStore store(1000);
+  for (int i = 0; i < 1000; ++i) store.add(ReportClass::kAlert, "alert " + std::to_string(i));
+  EXPECT_LE(store.text().size(), 1200u);  // with its line feeds
+  EXPECT_THAT(store.text(), EndsWith("alert 999"));
+}
+
 }  // namespace
 }  // namespace infuse::daemon
