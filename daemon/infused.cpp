@@ -48,7 +48,12 @@ void declare_options(CLI::App& app, RunOptions& options, Checks& checks) {
                  "replay: factor of real time, or max (the default without --view) for as fast as "
                  "possible")
       ->type_name("R|max");
-  app.add_flag("--view", options.view, "replay: show it in a browser, at [view] port or 9468");
+  auto* view = app.add_flag("--view", options.view,
+                            "replay: show it in a browser, at [view] port or 9468; begin when the "
+                            "page is opened, stay at the end until Ctrl-C");
+  app.add_flag("--no-wait", options.no_wait,
+               "replay: with --view, begin at once and end with the drive")
+      ->needs(view);
   app.add_option("--reports", options.reports,
                  "replay: write every report to this file; the same drive gives the same bytes")
       ->type_name("FILE");

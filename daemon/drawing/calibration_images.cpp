@@ -4,28 +4,13 @@
 #include <array>
 #include <cmath>
 
+#include "daemon/drawing/colour_scale.hpp"
 #include "drivers/camera/png_encoder.hpp"
 #include "fusion/calibration/scene.hpp"
 #include "fusion/calibration/visible_points.hpp"
 
 namespace infuse::daemon {
 namespace {
-
-using Colour = std::array<uint8_t, 3>;  // blue, green, red
-
-/// Colour on the scale red, yellow, green, cyan, blue; `part` is 0 … 1.
-Colour rainbow_colour(double part) {
-  constexpr std::array<std::array<double, 3>, 5> kStops{
-      {{0, 0, 255}, {0, 220, 255}, {0, 220, 0}, {255, 220, 0}, {255, 60, 0}}};
-  const double at = std::clamp(part, 0.0, 1.0) * (kStops.size() - 1);
-  const size_t k = std::min<size_t>(static_cast<size_t>(at), kStops.size() - 2);
-  const double u = at - static_cast<double>(k);
-  Colour colour{};
-  for (size_t c = 0; c < 3; ++c) {
-    colour[c] = static_cast<uint8_t>((1 - u) * kStops[k][c] + u * kStops[k + 1][c]);
-  }
-  return colour;
-}
 
 /// The image in colour, darkened so that the overlay stands out.
 CameraFrame darkened_image(const CameraFrame& frame) {
@@ -96,15 +81,12 @@ CameraFrame draw_overlay(const ScenePair& pair, const CameraIntrinsics& intrinsi
   const calibration::RigCamera camera{geometry::CameraModel(intrinsics)};
   const auto points =
       calibration::select_visible(std::span(&scene, 1), std::span(&camera, 1), T_camera_lidar, {});
-  const double near = std::log(3.0);
-  const double far = std::log(60.0);
   for (size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3d p =
         T_camera_lidar * Eigen::Vector3d(points.x[i], points.y[i], points.z[i]);
     const auto pixel = camera.model.project(p);
     if (!pixel || !camera.model.in_image(*pixel)) continue;
-    draw_dot(frame, std::max(pixel->x(), 0.0), std::max(pixel->y(), 0.0),
-             rainbow_colour((std::log(p.norm()) - near) / (far - near)));
+    draw_dot(frame, std::max(pixel->x(), 0.0), std::max(pixel->y(), 0.0), range_colour(p.norm()));
   }
   return frame;
 }

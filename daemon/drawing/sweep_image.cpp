@@ -8,29 +8,21 @@
 namespace infuse::daemon {
 namespace {
 
-/// Colour from blue over green to red.
-Colour colour_of(float fraction) {
-  const auto bump = [fraction](float centre) {
-    const float value = std::clamp(1.5F - 3 * std::abs(fraction - centre), 0.0F, 1.0F);
-    return static_cast<uint8_t>(60 + std::lround(195 * value));
-  };
-  return {bump(0), bump(0.5F), bump(1)};
-}
-
 void draw_points(TwoViewsFromAbove& views, int view, const Sweep& sweep,
                  const FieldVector<float>& x, const FieldVector<float>& y,
                  const FieldVector<float>& z) {
   const float span = std::max(1.0F, static_cast<float>(sweep.span.count()));
   for (size_t i = 0; i < x.size(); ++i) {
     const float offset = sweep.has_times ? static_cast<float>(sweep.time_offset_ns[i]) : 0;
-    views.draw(view, x[i], y[i], z[i], colour_of(offset / span));
+    views.draw(view, x[i], y[i], z[i], fraction_colour(offset / span));
   }
 }
 
 }  // namespace
 
 CameraFrame draw_sweep(const Sweep& sweep, const motion::DeskewedSweep& deskewed) {
-  TwoViewsFromAbove views;
+  TwoViewsFromAbove views({"as measured", "deskewed"}, {{"start of turn", fraction_colour(0)},
+                                                        {"end of turn", fraction_colour(1)}});
   draw_points(views, 0, sweep, sweep.x, sweep.y, sweep.z);
   draw_points(views, 1, sweep, deskewed.x, deskewed.y, deskewed.z);
   return views.take();
@@ -38,8 +30,9 @@ CameraFrame draw_sweep(const Sweep& sweep, const motion::DeskewedSweep& deskewed
 
 CameraFrame draw_alignment(const Sweep& target, const Sweep& source,
                            const Eigen::Isometry3d& T_before, const Eigen::Isometry3d& T_after) {
-  TwoViewsFromAbove views;
-  constexpr Colour kTarget{255, 160, 60}, kSource{60, 120, 255};  // blue and red
+  // Blue and orange, which the colour-blind tell apart (Okabe and Ito, 2008).
+  constexpr Colour kTarget{233, 180, 86}, kSource{0, 159, 230};
+  TwoViewsFromAbove views({"before", "after"}, {{"target", kTarget}, {"source", kSource}});
   for (const int view : {0, 1}) {
     for (size_t i = 0; i < target.size(); ++i) {
       views.draw(view, target.x[i], target.y[i], target.z[i], kTarget);

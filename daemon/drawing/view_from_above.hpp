@@ -1,27 +1,41 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
+#include "daemon/drawing/colour_scale.hpp"
 #include "drivers/measurement/camera_frame.hpp"
 
 namespace infuse::daemon {
 
-/// Blue, green, red.
-using Colour = std::array<uint8_t, 3>;
+/// Half the edge of each view from above, m.
+inline constexpr double kSweepViewMetres = 40;
+
+/// What a colour means.
+struct ColourMeaning {
+  const char* name;
+  Colour colour;
+};
 
 /// Two views from above beside each other, 40 m to each side of the sensor, x up, without the
-/// ground.
+/// ground; with a ring every 10 m, titles and a legend, in the characters of `draw_label`.
 class TwoViewsFromAbove {
  public:
-  TwoViewsFromAbove();
+  TwoViewsFromAbove(std::array<const char*, 2> titles, std::vector<ColourMeaning> legend);
 
   /// Draws a point (m, lidar frame) in the left (0) or right (1) view. Points that are not finite
   /// or outside of the view are left out.
   void draw(int view, float x, float y, float z, const Colour& colour);
 
-  CameraFrame take() { return std::move(image_); }
+  /// The image, once.
+  CameraFrame take();
 
  private:
+  void draw_rings(int view);
+  void write_labels(int view);
+
+  std::array<const char*, 2> titles_;
+  std::vector<ColourMeaning> legend_;
   CameraFrame image_;
 };
 

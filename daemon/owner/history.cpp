@@ -52,12 +52,18 @@ std::string text_of_history(const HistoryEntries& entries) {
   if (entries.unreadable > 0) {
     lines += fmt::format("{} lines are damaged or of another release\n", entries.unreadable);
   }
-  return lines.empty() ? "no history yet\n" : lines;
+  return lines;
 }
 
 int run_history(const HistoryArguments& arguments) {
   const auto lines = read_history(std::filesystem::path(arguments.state) / kHistoryFile);
   if (!lines) return print_error("infuse history", lines.error(), kUnreadable);
+  if (lines->empty()) {
+    return print_error("infuse history",
+                       {"no history yet", arguments.state,
+                        "the daemon writes it while it runs; --state names another folder"},
+                       kFailure);
+  }
   const HistoryEntries entries = sort_entries(*lines, arguments.days);
   if (!arguments.plot.empty()) {
     const std::string page = make_history_page(entries);

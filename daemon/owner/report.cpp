@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "daemon/command_line/arguments.hpp"
+#include "daemon/command_line/version.hpp"
 #include "daemon/config/config.hpp"
 #include "daemon/owner/commands.hpp"
 #include "daemon/owner/report_images.hpp"
@@ -112,7 +113,9 @@ Result<Json> collect(const ReportArguments& arguments) {
   Json data = reports->to_json();
   Json notes = Json::array();
   data["name"] = std::filesystem::path(arguments.path).filename().string();
-  data["sweep"] = sweep_image_url(arguments.path);
+  data["version"] = version();
+  data["configuration"] = arguments.config;
+  data["sweep"] = sweep_image_json(arguments.path, reports->moved_sweep().value_or(Stamp()));
   if (reports->start() && std::filesystem::is_directory(arguments.path)) {
     const auto drive = recording::Drive::open(arguments.path);
     if (!drive) return tl::unexpected(drive.error());

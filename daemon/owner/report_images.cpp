@@ -1,25 +1,25 @@
 #include "daemon/owner/report_images.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "daemon/drawing/calibration_images.hpp"
 #include "daemon/drawing/sweep_image.hpp"
+#include "daemon/drawing/view_from_above.hpp"
 #include "daemon/pipeline/odometry_plan.hpp"
 #include "daemon/playback/calibration_scenes.hpp"
 #include "daemon/playback/deskewed_sweeps.hpp"
 #include "daemon/playback/play_lidar.hpp"
 #include "daemon/setup/drive_setup.hpp"
-#include "fusion/streetmap/draw_map.hpp"
 
 namespace infuse::daemon {
 namespace {
 
-constexpr int kScenesRead = 12;       // of each camera, spread over the drive
-constexpr size_t kScenesDrawn = 2;    // of each camera
-constexpr uint64_t kDrawnSweep = 30;  // the vehicle moves and the clock has settled
-constexpr int kMaxMapPixels = 6000;   // pixels of the whole map
-constexpr double kMapMargin = 25;     // m around the path
+constexpr int kScenesRead = 12;      // of each camera, spread over the drive
+constexpr size_t kScenesDrawn = 2;   // of each camera
+constexpr int kMaxMapPixels = 2000;  // of the longer edge
+constexpr double kMapMargin = 25;    // m around the path
 
 /// The scenes to draw: spread over those since the drift began, if there are any.
 std::vector<const ScenePair*> choose_scenes(const ScenePairs& pairs,
@@ -40,19 +40,21 @@ std::vector<const ScenePair*> choose_scenes(const ScenePairs& pairs,
   return chosen;
 }
 
-/// A rectangle of an image in kBgr8.
-CameraFrame cut(const CameraFrame& image, int left, int top, int width, int height) {
-  CameraFrame part;
-  part.width = width;
-  part.height = height;
-  part.format = image.format;
-  for (int row = top; row < top + height; ++row) {
-    const auto* begin = image.pixels.data() + static_cast<size_t>(row) * image.row_bytes() +
-                        static_cast<size_t>(left) * 3;
-    part.pixels.insert(part.pixels.end(), begin, begin + static_cast<size_t>(width) * 3);
-  }
-  return part;
-}
+/// Colours of the kinds of segments in their order (blue, green, red): muted, so that a track
+/// stands out; as daemon/view/page/plan.js has them.
+constexpr std::array<Colour, streetmap::kSegmentKindCount> kMutedKinds{{{238, 242, 243},
+                                                                        {219, 215, 214},
+                                                                        {184, 178, 176},
+                                                                        {219, 228, 232},
+                                                                        {210, 226, 236},
+                                                                        {186, 222, 230},
+                                                                        {216, 234, 222},
+                                                                        {238, 224, 208},
+                                                                        {238, 230, 234},
+                                                                        {206, 212, 222},
+                                                                        {158, 164, 178},
+                                                                        {230, 230, 230},
+                                                                        {150, 150, 150}}};
 
 }  // namespace
 
@@ -80,45 +82,52 @@ Json overlay_images(const std::filesystem::path& drive, const ReportData& report
   return images;
 }
 
-std::string sweep_image_url(const std::filesystem::path& path) {
+Json sweep_image_json(const std::filesystem::path& path, Stamp stamp) {
   auto setup = open_drive(path, {}, {});
-  if (!setup || setup->lidars.empty()) return {};
+  if (!setup || setup->lidars.empty()) return nullptr;
   DeskewedSweeps sweeps(plan_odometry({}, *setup), setup->rig.lidars.front().T_vehicle_lidar);
-  std::string url;
-  uint64_t count = 0;
+  Json drawn;
   const auto draw = [&](const Sweep& sweep, const motion::DeskewedSweep& deskewed) {
-    if (count++ <= kDrawnSweep) url = data_url(draw_sweep(sweep, deskewed));
+    if (!drawn.is_null() || sweep.stamp < stamp || sweep.size() == 0) return;
+    drawn = {{"url", data_url(draw_sweep(sweep, deskewed))},
+             {"stamp_ns", std::to_string(sweep.stamp.ns())},
+             {"seam", std::atan2(sweep.y[0], sweep.x[0])},
+             {"metres", kSweepViewMetres}};
   };
   play_lidar(
       *setup, 0, [&](Sweep& sweep) { sweeps.add_sweep(sweep); },
       [&](const VehicleSample& sample) { sweeps.add_sample(sample); },
       [&](const recording::DriveEvent& event) {
         sweeps.process_due(event.stamp, draw);
-        return count <= kDrawnSweep;
+        return drawn.is_null();
       });
-  if (count <= kDrawnSweep) sweeps.finish(draw);
-  return url;
+  if (drawn.is_null()) sweeps.finish(draw);
+  return drawn;
 }
 
 Json map_image(const streetmap::SegmentMap& map, const Eigen::AlignedBox2d& path) {
   if (map.empty() || path.isEmpty()) return nullptr;
-  const CameraFrame image = streetmap::draw_map(map, kMaxMapPixels);
-  const double cells_per_m = image.width / (map.columns() * map.frame().cell_size);
-  const Eigen::Vector2d corner = map.frame().min_corner;
-  const auto cell = [&](double m, int limit) {
-    return static_cast<int>(std::clamp(m * cells_per_m, 0.0, static_cast<double>(limit)));
-  };
-  const Eigen::Vector2d low = path.min().array() - kMapMargin - corner.array();
-  const Eigen::Vector2d high = path.max().array() + kMapMargin - corner.array();
-  const int left = cell(low.x(), image.width), right = cell(high.x(), image.width);
-  const int bottom = cell(low.y(), image.height), top = cell(high.y(), image.height);
-  if (right <= left || top <= bottom) return nullptr;
-  const CameraFrame part = cut(image, left, image.height - top, right - left, top - bottom);
-  return {{"url", data_url(part)},
-          {"x", corner.x() + left / cells_per_m},
-          {"y", corner.y() + bottom / cells_per_m},
-          {"width", part.width / cells_per_m},
-          {"height", part.height / cells_per_m}};
+  const Eigen::Vector2d low = path.min().array() - kMapMargin;
+  const Eigen::Vector2d size = path.max() - path.min() + Eigen::Vector2d::Constant(2 * kMapMargin);
+  const double pixel = std::max(map.frame().cell_size, size.maxCoeff() / kMaxMapPixels);
+  CameraFrame image;
+  image.format = PixelFormat::kBgr8;
+  image.width = static_cast<int>(std::ceil(size.x() / pixel));
+  image.height = static_cast<int>(std::ceil(size.y() / pixel));
+  image.pixels.reserve(image.row_bytes() * static_cast<size_t>(image.height));
+  for (int row = image.height - 1; row >= 0; --row) {
+    for (int column = 0; column < image.width; ++column) {
+      const uint32_t id =
+          map.id_at(low.x() + (column + 0.5) * pixel, low.y() + (row + 0.5) * pixel);
+      const Colour& colour = kMutedKinds.at(static_cast<size_t>(map.segment(id).kind));
+      image.pixels.insert(image.pixels.end(), colour.begin(), colour.end());
+    }
+  }
+  return {{"url", data_url(image)},
+          {"x", low.x()},
+          {"y", low.y()},
+          {"width", image.width * pixel},
+          {"height", image.height * pixel}};
 }
 
 }  // namespace infuse::daemon

@@ -16,8 +16,10 @@ namespace infuse::daemon {
 /// with a note in `notes`.
 Json overlay_images(const std::filesystem::path& drive, const ReportData& reports, Json& notes);
 
-/// One sweep from above, as measured and deskewed, as a data: URL; empty if the path has no lidar.
-std::string sweep_image_url(const std::filesystem::path& path);
+/// The sweep of the first lidar at `stamp`, or the next one, from above, as measured and deskewed:
+/// {url, stamp_ns, seam (rad, azimuth at which it begins), metres (to each side)}; null if there is
+/// none.
+Json sweep_image_json(const std::filesystem::path& path, Stamp stamp);
 
 /// The part of a street map around a path (x, y in m, map frame): {url, x, y, width, height}, the
 /// corner in the south-west and the size in m; null if the path is not on the map.

@@ -88,15 +88,17 @@ ComparedPath compare_with_truth(const std::vector<ReportedPose>& poses,
   if (pairs.empty()) return {};
   Eigen::Isometry3d T_truth_frame = Eigen::Isometry3d::Identity();
   if (move_first) T_truth_frame = pairs.front().truth * pairs.front().estimate.inverse();
-  ComparedPath compared{{{"x", Json::array()}, {"y", Json::array()}},
-                        {{"t", Json::array()}, {"m", Json::array()}}};
+  ComparedPath compared{
+      {{"x", Json::array()}, {"y", Json::array()}},
+      {{"t", Json::array()}, {"m", Json::array()}, {"horizontal_m", Json::array()}}};
   for (const auto& pose : estimate)
     add_position(compared.path, T_truth_frame * pose.T_odom_vehicle);
   for (const motion::PosePair& pair : pairs) {
     const Eigen::Vector3d apart =
         (T_truth_frame * pair.estimate).translation() - pair.truth.translation();
     compared.errors["t"].push_back(to_seconds(pair.stamp - start));
-    compared.errors["m"].push_back(apart.head<2>().norm());
+    compared.errors["m"].push_back(apart.norm());
+    compared.errors["horizontal_m"].push_back(apart.head<2>().norm());
   }
   return compared;
 }

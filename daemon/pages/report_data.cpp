@@ -104,10 +104,25 @@ void ReportData::add(const Json& report) {
   }
   if (!start_) start_ = end_ = stamp;
   end_ = std::max(end_, stamp);
+  if (kind == "SWEEP") add_sweep(report, stamp);
   if (kind == "POSE") add_pose(report, stamp);
   if (kind == "CALIBRATION") add_calibration(report, stamp);
   if (kind == "HEALTH") add_health(report, stamp);
   if (kind == "ALERT") add_alert(report, stamp);
+}
+
+void ReportData::add_sweep(const Json& report, Stamp stamp) {
+  const Json& turned = member(report, "turned_deg");
+  const Json& travelled = member(report, "travelled");
+  if (!turned.is_number() || !travelled.is_number() || member(report, "deskewed") != Json(true))
+    return;
+  // At the seam of a sweep, returns at this distance are apart by that much if it is not deskewed.
+  constexpr double kSeamDistance = 20;  // m, a street's width
+  const double apart =
+      std::abs(travelled.get<double>()) + std::abs(turned.get<double>()) * kDegree * kSeamDistance;
+  if (moved_sweep_ && apart <= moved_sweep_apart_) return;
+  moved_sweep_ = stamp;
+  moved_sweep_apart_ = apart;
 }
 
 void ReportData::add_pose(const Json& report, Stamp stamp) {
@@ -204,7 +219,8 @@ Json ReportData::to_json() const {
          {"changed", daemon::to_json(move_between(calibration.T_first, calibration.T_last))}});
   }
   const Stamp start = start_.value_or(end_);
-  return {{"duration", start_ ? seconds(end_) : 0},
+  return {{"begin_ns", std::to_string(start.ns())},  // beyond the integers of JavaScript
+          {"duration", start_ ? seconds(end_) : 0},
           {"reports", reports_},
           {"unreadable", unreadable_},
           {"left_out", left_out_},

@@ -54,6 +54,10 @@ class ReportData {
   const std::vector<ReportedPose>& map_poses() const { return map_.kept(); }
   const std::map<std::string, ReportedCalibration>& calibrations() const { return calibrations_; }
   std::optional<Stamp> start() const { return start_; }
+
+  /// Stamp of the deskewed sweep in which the vehicle moved most; nothing without one.
+  std::optional<Stamp> moved_sweep() const { return moved_sweep_; }
+
   size_t reports() const { return reports_; }
   size_t unreadable() const { return unreadable_; }
 
@@ -62,6 +66,7 @@ class ReportData {
 
  private:
   void add(const Json& report);
+  void add_sweep(const Json& report, Stamp stamp);
   void add_pose(const Json& report, Stamp stamp);
   void add_calibration(const Json& report, Stamp stamp);
   void add_health(const Json& report, Stamp stamp);
@@ -72,7 +77,8 @@ class ReportData {
   static constexpr size_t kMaxPoints = 2000;  // of a camera
   static constexpr size_t kMaxAlerts = 500;
 
-  std::optional<Stamp> start_;
+  std::optional<Stamp> start_, moved_sweep_;
+  double moved_sweep_apart_ = 0;  // m, of what it was chosen by
   Stamp end_;
   size_t reports_ = 0, unreadable_ = 0, left_out_ = 0;
   Thinned<ReportedPose> odom_, map_;

@@ -4,6 +4,12 @@
 
 namespace infuse::daemon {
 
+void Pacer::begin() {
+  const std::lock_guard lock(mutex_);
+  held_ = false;
+  changed_.notify_all();
+}
+
 void Pacer::set_rate(double rate) {
   const std::lock_guard lock(mutex_);
   rate_ = rate;
@@ -54,6 +60,7 @@ void Pacer::end_seek() {
 
 void Pacer::wait_until(Stamp stamp, std::stop_token stop) {
   std::unique_lock lock(mutex_);
+  if (held_) changed_.wait(lock, stop, [&] { return !held_; });
   const Stamp previous = std::exchange(previous_, stamp);
   if (drive_start_ && (stamp - previous > kMaxPause || previous - stamp > kMaxPause)) {
     drive_start_.reset();

@@ -21,6 +21,12 @@ class Pacer {
   /// of drive time, or a step back, is skipped.
   void wait_until(Stamp stamp, std::stop_token stop);
 
+  /// Lets no event pass until `begin`; before the replay starts.
+  void hold() { held_ = true; }
+
+  /// Ends `hold`; from any thread.
+  void begin();
+
   /// Changes the rate, from any thread; 0 pauses.
   void set_rate(double rate);
 
@@ -53,6 +59,7 @@ class Pacer {
   std::optional<double> rate_;
   std::optional<Stamp> drive_start_;  // of the present rate
   std::optional<Stamp> seek_;         // events before it are not paced
+  bool held_ = false;
   bool seeking_alert_ = false;
   bool stepping_ = false;
   Stamp previous_;

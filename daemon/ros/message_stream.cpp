@@ -274,7 +274,7 @@ bool MessageStream::read_reports() {
       reports_.pop_front();
     }
     any = true;
-    static_cast<void>(write_report_message(report.second, sink_));
+    static_cast<void>(report_messages_.write(report.second));
     if (report.first == ReportClass::kHealth) sink_.end_second();  // one for each second
   }
 }

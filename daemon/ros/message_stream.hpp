@@ -14,6 +14,7 @@
 #include "daemon/pipeline/pipeline_tap.hpp"
 #include "daemon/pipeline/stream_item.hpp"
 #include "daemon/protocol/reports.hpp"
+#include "daemon/ros/report_messages.hpp"
 #include "daemon/ros/sensor_messages.hpp"
 #include "drivers/measurement/slot_ring.hpp"
 
@@ -90,6 +91,7 @@ class MessageStream : public PipelineTap {
 
   const MessageSetup setup_;
   Tee sink_;
+  ReportMessages report_messages_{sink_};
   std::function<bool()> wanted_;
   SensorMessages messages_;
   std::vector<LidarTopics> lidar_topics_;

@@ -2,7 +2,6 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "daemon/ros/topics.hpp"
 #include "drivers/ros/messages.hpp"
@@ -34,31 +33,6 @@ std::string text_of(const ReportJson& report, const char* key) {
 double number_of(const ReportJson& report, const char* key) {
   const auto found = report.find(key);
   return found != report.end() && found->is_number() ? found->get<double>() : 0;
-}
-
-bool write_pose(const ReportJson& report, Stamp stamp, MessageSink& sink) {
-  const auto usable = report.find("usable");
-  if (usable == report.end() || !usable->is_boolean() || !usable->get<bool>()) return true;
-  const std::string frame = text_of(report, "frame");
-  const auto matrix = numbers<16>(report, "T_frame_vehicle");
-  const auto covariance = numbers<36>(report, "covariance");
-  if ((frame != "odom" && frame != "map") || !matrix || !covariance) return false;
-  Eigen::Isometry3d T_frame_vehicle;
-  T_frame_vehicle.matrix() =
-      Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(matrix->data());
-  const Eigen::Matrix<double, 6, 6> by_row =
-      Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(covariance->data());
-  ros::Odometry message;
-  message.header = {0, ros::Time::from(stamp), frame};
-  message.child_frame_id = kVehicleFrame;
-  message.pose = ros::to_transform(T_frame_vehicle);
-  message.pose_covariance = to_ros_covariance(by_row, T_frame_vehicle.translation());
-  message.twist.linear.x = number_of(report, "speed");
-  message.twist.angular.z = number_of(report, "yaw_rate");
-  sink.write("/odometry/" + frame, stamp, message);
-  if (frame == "odom")
-    sink.write("/tf", stamp, ros::TfMessage{{{message.header, kVehicleFrame, message.pose}}});
-  return true;
 }
 
 /// Level of DiagnosticStatus.
@@ -149,7 +123,38 @@ std::array<double, 36> to_ros_covariance(const Eigen::Matrix<double, 6, 6>& cova
   return result;
 }
 
-bool write_report_message(const std::string& line, MessageSink& sink) {
+bool ReportMessages::write_pose(const ReportJson& report, Stamp stamp) {
+  const auto usable = report.find("usable");
+  if (usable == report.end() || !usable->is_boolean() || !usable->get<bool>()) return true;
+  const std::string frame = text_of(report, "frame");
+  const auto matrix = numbers<16>(report, "T_frame_vehicle");
+  const auto covariance = numbers<36>(report, "covariance");
+  if ((frame != "odom" && frame != "map") || !matrix || !covariance) return false;
+  Eigen::Isometry3d T_frame_vehicle;
+  T_frame_vehicle.matrix() =
+      Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(matrix->data());
+  const Eigen::Matrix<double, 6, 6> by_row =
+      Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(covariance->data());
+  ros::Odometry message;
+  message.header = {0, ros::Time::from(stamp), frame};
+  message.child_frame_id = kVehicleFrame;
+  message.pose = ros::to_transform(T_frame_vehicle);
+  message.pose_covariance = to_ros_covariance(by_row, T_frame_vehicle.translation());
+  message.twist.linear.x = number_of(report, "speed");
+  message.twist.angular.z = number_of(report, "yaw_rate");
+  sink_.write("/odometry/" + frame, stamp, message);
+  if (frame == "odom") {
+    sink_.write("/tf", stamp, ros::TfMessage{{{message.header, kVehicleFrame, message.pose}}});
+    odometry_ = {stamp, T_frame_vehicle};
+  } else if (odometry_ && odometry_->stamp == stamp) {
+    const Eigen::Isometry3d T_map_odom = T_frame_vehicle * odometry_->T_odom_vehicle.inverse();
+    sink_.write("/tf", stamp,
+                ros::TfMessage{{{message.header, "odom", ros::to_transform(T_map_odom)}}});
+  }
+  return true;
+}
+
+bool ReportMessages::write(const std::string& line) {
   const auto report = ReportJson::parse(line, nullptr, false);
   if (!report.is_object()) return false;
   const auto stamp = report.find("stamp");
@@ -158,8 +163,8 @@ bool write_report_message(const std::string& line, MessageSink& sink) {
   if (stamp == report.end() || !stamp->is_number_integer()) return false;
   const Stamp time = Stamp::from_ns(stamp->get<int64_t>());
   if (time < Stamp()) return false;
-  if (kind == "POSE") return write_pose(report, time, sink);
-  return kind == "ALERT" ? write_alert(report, time, sink) : write_health(report, time, sink);
+  if (kind == "POSE") return write_pose(report, time);
+  return kind == "ALERT" ? write_alert(report, time, sink_) : write_health(report, time, sink_);
 }
 
 Result<void> write_report_messages(const std::filesystem::path& reports, MessageSink& sink,
@@ -168,9 +173,10 @@ Result<void> write_report_messages(const std::filesystem::path& reports, Message
     return tl::unexpected(regular.error());
   }
   std::ifstream lines(reports);
+  ReportMessages messages(sink);
   size_t others = 0;
   for (std::string line; std::getline(lines, line);) {
-    if (!write_report_message(line, sink)) ++others;
+    if (!messages.write(line)) ++others;
   }
   if (others > 0)
     notes.push_back({std::to_string(others) + " lines are not reports", reports.string(), ""});

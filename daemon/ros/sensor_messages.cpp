@@ -1,6 +1,7 @@
 #include "daemon/ros/sensor_messages.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -78,6 +79,11 @@ void SensorMessages::write_transforms(Stamp stamp) {
     const auto index = static_cast<size_t>(lidar - rig_.lidars.begin());
     message.transforms.push_back({header_of(stamp, lidar_frame(rig_, index)), camera_frame(rig_, k),
                                   ros::to_transform(camera.T_camera_lidar.inverse())});
+  }
+  // A fix is taken as of the vehicle's origin: the rig has no position of an antenna.
+  if (setup_.has_gnss || setup_.gnss_lidar) {
+    message.transforms.push_back({header_of(stamp, kVehicleFrame), kGnssFrame,
+                                  ros::to_transform(Eigen::Isometry3d::Identity())});
   }
   if (!message.transforms.empty()) sink_.write(kTransformsTopic, stamp, message, true);
 }
@@ -180,14 +186,20 @@ void SensorMessages::write_imu(const ImuSample& sample, bool from_bus) {
   message.orientation_covariance[0] = -1;  // not measured
   const auto& w = sample.angular_velocity;
   const auto& a = sample.linear_acceleration;
-  message.angular_velocity = {w[0], w[1], w[2]};
-  message.linear_acceleration = {a[0], a[1], a[2]};
+  // What is not measured is marked by a covariance that begins with -1, and is 0.
+  const auto set = [](const auto& measured, auto& vector, std::array<double, 9>& covariance) {
+    const bool known = std::ranges::all_of(measured, [](double v) { return std::isfinite(v); });
+    if (known) vector = {measured[0], measured[1], measured[2]};
+    if (!known) covariance[0] = -1;
+  };
+  set(w, message.angular_velocity, message.angular_velocity_covariance);
+  set(a, message.linear_acceleration, message.linear_acceleration_covariance);
   sink_.write(vehicle_topic(from_bus) + "/imu", sample.stamp, message);
 }
 
 void SensorMessages::write_fix(const GnssFix& fix) {
   constexpr double kDegrees = 180 / std::numbers::pi;
-  ros::NavSatFix message{.header = header_of(fix.stamp, "gnss")};
+  ros::NavSatFix message{.header = header_of(fix.stamp, kGnssFrame)};
   message.status = static_cast<int8_t>(fix.valid ? 0 : -1);
   message.service = 1;
   message.latitude = fix.latitude * kDegrees;
@@ -205,7 +217,7 @@ void SensorMessages::write_velocity(const GnssFix& fix) {
     ++speeds_without_course_;
     return;
   }
-  ros::TwistStamped message{header_of(fix.stamp, "gnss"), {}};
+  ros::TwistStamped message{header_of(fix.stamp, kGnssFrame), {}};
   message.twist.linear.x = stationary ? 0 : fix.speed * std::sin(fix.course);
   message.twist.linear.y = stationary ? 0 : fix.speed * std::cos(fix.course);
   sink_.write("/gnss/vel", fix.stamp, message);

@@ -9,6 +9,7 @@ namespace infuse::daemon {
 
 /// Frames of the messages.
 inline constexpr const char* kVehicleFrame = "base_link";
+inline constexpr const char* kGnssFrame = "gnss";
 std::string lidar_frame(const Rig& rig, size_t lidar);
 std::string camera_frame(const Rig& rig, size_t camera);
 

@@ -24,6 +24,7 @@ struct RunOptions {
   std::string replay;       ///< drive folder or capture; empty: the sensors of this host
   std::string rate;         ///< factor of real time, or "max"; empty: 1 with a view, else "max"
   bool view = false;        ///< replay: a page in the browser
+  bool no_wait = false;     ///< replay: begins and ends whether or not somebody looks
   std::string reports;      ///< file for every report
   std::string trajectory;   ///< file for the poses
   std::string state;        ///< folder of the saved calibrations of a replay

@@ -105,31 +105,33 @@ int run_replay(const RunOptions& options, const Config& config) {
                      !pipeline_options.street_map->empty() || pipeline_options.places.has_value());
 
   // The end, when the pipeline has ended.
-  Result<void> written_messages;
+  const bool waits = view->server && !options.no_wait;
+  bool stopped = false, ended = false;
+  ExitCode code = kDone;
   on_end = [&] {
     progress.stop();
-    written_messages = finish_messages(*messages);
-    host.finish(kReplayClientTimeout);
+    Summary summary = summarise(replay);
+    summary.host_s = progress.host_s();
+    summary.stopped = stopped;
+    print_summary(summary, options.json);
+    for (const auto& written : {trajectory.write(), finish_messages(*messages),
+                                *file ? (*file)->close() : Result<void>()}) {
+      if (!written) code = static_cast<ExitCode>(refuse(written.error(), kFailure));
+    }
+    ended = true;
+    if (!waits || stopped) return host.finish(kReplayClientTimeout);
+    view->server->end_drive();
+    std::cerr << "the drive has ended; Ctrl-C ends the view" << std::endl;
   };
-  bool stopped = false;
+  if (waits) pacer->hold();
   replay.start();
   progress.start(replay, !options.json);
   host.run([&] {
+    if (ended) return host.finish(kReplayClientTimeout);
     stopped = true;
     replay.stop();
   });
-
-  // What remains of it.
-  Summary summary = summarise(replay);
-  summary.host_s = progress.host_s();
-  summary.stopped = stopped;
-  print_summary(summary, options.json);
-  if (const auto written = trajectory.write(); !written) return refuse(written.error(), kFailure);
-  if (!written_messages) return refuse(written_messages.error(), kFailure);
-  if (!*file) return kDone;
-  const auto closed = (*file)->close();
-  if (!closed) return refuse(closed.error(), kFailure);
-  return kDone;
+  return code;
 }
 
 }  // namespace infuse::daemon

@@ -22,8 +22,8 @@ void publish_to_view(const View& view, Publisher& publisher, std::function<void(
   if (!view.server) return;
   publisher.add_line_listener(
       [server = view.server.get(), on_sweep = std::move(on_sweep)](
-          ReportClass report_class, const std::string& device, const std::string& line) {
-        server->publish(report_class, device, line);
+          ReportClass report_class, const std::string&, const std::string& line) {
+        server->publish(report_class, line);
         if (report_class == ReportClass::kSweep && on_sweep) on_sweep();
       });
 }

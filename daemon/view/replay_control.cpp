@@ -4,6 +4,8 @@ namespace infuse::daemon {
 
 void set_pace(Pacer& pacer, const ViewCommand& command) {
   switch (command.kind) {
+    case ViewCommand::Kind::kOpened:
+      return pacer.begin();
     case ViewCommand::Kind::kRate:
       return pacer.set_rate(command.rate);
     case ViewCommand::Kind::kStep:

@@ -7,9 +7,10 @@
 
 namespace infuse::daemon {
 
-/// What a page of a replay asks for.
+/// What a page of a replay asks for, and that one has been opened.
 struct ViewCommand {
   enum class Kind {
+    kOpened,     ///< a page or a viewer has been opened: begin
     kRate,       ///< `rate`
     kStep,       ///< on by one sweep, then pause
     kSeek,       ///< on to `stamp`, as fast as possible

@@ -3,6 +3,8 @@
 #include <bit>
 #include <cmath>
 
+#include "drivers/measurement/angles.hpp"
+
 namespace infuse::daemon {
 namespace {
 
@@ -95,15 +97,14 @@ std::string encode_image(const ViewImage& image, const std::vector<uint8_t>& jpe
 std::string encode_map(const streetmap::SegmentMap& map, const Eigen::Vector2d& middle,
                        Stamp stamp) {
   const Eigen::Vector2d corner = middle.array() - kMapCells / 2 * kMapCell;
-  std::string out = begin_frame({{"kind", "map"},
-                                 {"stamp", std::to_string(stamp.ns())},
-                                 {"points", 0},
-                                 {"cell", kMapCell},
-                                 {"columns", kMapCells},
-                                 {"rows", kMapCells},
-                                 {"x", corner.x()},
-                                 {"y", corner.y()}},
-                                {}, kMapCells * kMapCells);
+  Json header{{"kind", "map"},        {"stamp", std::to_string(stamp.ns())},
+              {"points", 0},          {"cell", kMapCell},
+              {"columns", kMapCells}, {"rows", kMapCells},
+              {"x", corner.x()},      {"y", corner.y()}};
+  if (map.frame().georeferenced) {
+    header["origin_deg"] = {map.frame().latitude / kDegree, map.frame().longitude / kDegree};
+  }
+  std::string out = begin_frame(header, {}, kMapCells * kMapCells);
   for (int row = 0; row < kMapCells; ++row) {
     for (int column = 0; column < kMapCells; ++column) {
       const uint32_t id =

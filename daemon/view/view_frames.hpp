@@ -28,7 +28,8 @@ std::string encode_image(const ViewImage& image, const std::vector<uint8_t>& jpe
 std::string encode_frame(const Json& header);
 
 /// Part of the street map around a point (m, map frame), as a binary message: kind "map", stamp,
-/// no points, cell (m), columns, rows, x and y (m, map frame, of its south-west corner); then a
+/// no points, cell (m), columns, rows, x and y (m, map frame, of its south-west corner), and of a
+/// map that is georeferenced origin_deg (latitude, longitude of the map frame's origin); then a
 /// `streetmap::SegmentKind` (uint8) for each cell, row by row from the south.
 std::string encode_map(const streetmap::SegmentMap& map, const Eigen::Vector2d& middle,
                        Stamp stamp);

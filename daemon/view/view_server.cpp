@@ -26,6 +26,7 @@
 #include "daemon/protocol/json.hpp"
 #include "daemon/server/listening.hpp"
 #include "daemon/view/access.hpp"
+#include "daemon/view/report_store.hpp"
 #include "daemon/view/view_client.hpp"
 #include "daemon/view/view_files.hpp"
 #include "daemon/view/view_frames.hpp"
@@ -50,27 +51,21 @@ constexpr std::chrono::seconds kProfilePeriod{2};  // of each camera; a profile 
 constexpr int kJpegQuality = 75;
 constexpr double kMapStep = 40;                         // m
 constexpr size_t kMaxViewerPending = size_t{32} << 20;  // bytes of messages on their way here
+constexpr size_t kMaxStoredReports = size_t{4} << 20;   // bytes of reports for pages opened later
 constexpr const char* kFull = "as many pages and viewers are open as max_clients";
 
-/// A file of the page.
-struct ViewFile {
-  std::string_view type, text;
-};
+std::string_view type_of(std::string_view file) {
+  if (file.ends_with(".html")) return "text/html; charset=utf-8";
+  if (file.ends_with(".svg")) return "image/svg+xml";
+  return file.ends_with(".css") ? "text/css; charset=utf-8" : "text/javascript; charset=utf-8";
+}
 
-const std::map<std::string_view, ViewFile>& view_files() {
-  static const std::map<std::string_view, ViewFile> files{
-      {"/", {"text/html; charset=utf-8", kViewPage}},
-      {"/icon.svg", {"image/svg+xml", kViewIcon}},
-      {"/style.css", {"text/css; charset=utf-8", kViewStyle}},
-      {"/charts.js", {"text/javascript; charset=utf-8", kViewCharts}},
-      {"/scene.js", {"text/javascript; charset=utf-8", kViewScene}},
-      {"/profile.js", {"text/javascript; charset=utf-8", kViewProfile}},
-      {"/overlay.js", {"text/javascript; charset=utf-8", kViewOverlay}},
-      {"/image_colours.js", {"text/javascript; charset=utf-8", kViewImageColours}},
-      {"/history.js", {"text/javascript; charset=utf-8", kViewHistory}},
-      {"/player.js", {"text/javascript; charset=utf-8", kViewPlayer}},
-      {"/view.js", {"text/javascript; charset=utf-8", kViewCode}}};
-  return files;
+/// The file at a path of the page's address, or null; the page itself is at "/".
+const ViewFile* find_file(std::string_view path) {
+  for (const ViewFile& file : view_files()) {
+    if (path == "/" ? file.name == "view.html" : path.substr(1) == file.name) return &file;
+  }
+  return nullptr;
 }
 
 std::string_view text_of(beast::string_view text) { return {text.data(), text.size()}; }
@@ -161,20 +156,25 @@ class ViewServer::Impl {
   const ViewSettings& settings() const { return settings_; }
   size_t clients() const { return client_count_.load(); }
 
-  void publish(ReportClass report_class, const std::string& device, const std::string& line) {
-    const bool kept =
-        report_class == ReportClass::kDevices || report_class == ReportClass::kHealth ||
-        report_class == ReportClass::kCalibration || report_class == ReportClass::kAlert;
+  void publish(ReportClass report_class, const std::string& line) {
+    const bool kept = ReportStore::wants(report_class);
     if (client_count_.load() == 0 && !kept) return;
     if (pending_.fetch_add(1) >= kMaxPending) {
       pending_.fetch_sub(1);
       return;
     }
-    asio::post(io_, [this, kept, key = std::pair(report_class, device),
+    asio::post(io_, [this, kept, report_class,
                      message = std::make_shared<const ViewMessage>(ViewMessage{line})] {
       pending_.fetch_sub(1);
-      if (kept) last_[key] = message;
+      if (kept) reports_.add(report_class, message->data);
       for (const auto& client : clients_) client->send(message);
+    });
+  }
+
+  void end_drive() {
+    asio::post(io_, [this] {
+      ended_ = std::make_shared<const ViewMessage>(ViewMessage{json_text({{"class", "END"}})});
+      for (const auto& client : clients_) client->send(ended_);
     });
   }
 
@@ -257,9 +257,9 @@ class ViewServer::Impl {
       if (is_full()) return answer(connection, 503, "text/plain", kFull);
       return open_page(connection);
     }
-    const auto file = view_files().find(path);
-    if (file == view_files().end()) return answer(connection, 404, "text/plain", "no such page");
-    answer(connection, 200, file->second.type, file->second.text);
+    const ViewFile* file = find_file(path);
+    if (file == nullptr) return answer(connection, 404, "text/plain", "no such page");
+    answer(connection, 200, type_of(file->name), file->text);
   }
 
   void answer(const std::shared_ptr<Connection>& connection, int status, std::string_view type,
@@ -292,6 +292,7 @@ class ViewServer::Impl {
     clients_.insert(client);
     client_count_ = clients_.size();
     tap_.set_wanted(true);
+    if (control_) control_({.kind = ViewCommand::Kind::kOpened});
     if (clients_.size() == 1) poll();
     client->accept(connection->parser.release());
   }
@@ -303,6 +304,7 @@ class ViewServer::Impl {
         std::make_shared<ViewerClient>(std::move(connection->stream), *channels_, session_,
                                        [this](const auto& ended) { viewers_.erase(ended); });
     viewers_.insert(viewer);
+    if (control_) control_({.kind = ViewCommand::Kind::kOpened});
     viewer->accept(connection->parser.release(), protocol);
   }
 
@@ -324,8 +326,12 @@ class ViewServer::Impl {
   void greet(ViewClient& client) {
     client.send(std::make_shared<const ViewMessage>(
         ViewMessage{json_text({{"class", "VIEW"}, {"form", 1}, {"replay", control_ != nullptr}})}));
-    for (const auto& [key, message] : last_) client.send(message);
+    if (!reports_.empty()) {
+      client.send(std::make_shared<const ViewMessage>(ViewMessage{reports_.text()}));
+    }
     if (last_map_) client.send(last_map_);
+    for (const auto& [key, message] : last_frames_) client.send(message);
+    if (ended_) client.send(ended_);
   }
 
   /// A page may ask for profiles, that of a replay may change its pace; everything else is ignored.
@@ -346,19 +352,24 @@ class ViewServer::Impl {
     if (clients_.empty()) return;
     if (tap_.swap_sweep(sweep_)) {
       send_map();
-      send_all(encode_sweep(sweep_, rig_));
+      keep_frame("sweep", sweep_.lidar, send_all(encode_sweep(sweep_, rig_)));
     }
     for (size_t camera = 0; camera < tap_.cameras(); ++camera) {
       const bool profile = profile_due(camera);
       if (!tap_.swap_image(CameraIndex(camera), image_, profile)) continue;
       if (!camera::encode_jpeg(image_.frame, kJpegQuality, jpeg_)) continue;
-      send_all(encode_image(image_, jpeg_, rig_));
+      keep_frame("image", camera, send_all(encode_image(image_, jpeg_, rig_)));
       if (profile && !image_.returns.empty()) send_profile(camera);
     }
     timer_.expires_after(kFramePeriod);
     timer_.async_wait([this](beast::error_code error) {
       if (!error) poll();
     });
+  }
+
+  /// The last of each lidar and camera, for who opens a page when a replay does not go on.
+  void keep_frame(const char* kind, size_t index, ViewClient::Message message) {
+    if (control_) last_frames_[{kind, index}] = std::move(message);
   }
 
   bool profile_due(size_t camera) const {
@@ -412,7 +423,9 @@ class ViewServer::Impl {
   std::set<std::shared_ptr<ViewerClient>> viewers_;
   std::atomic<size_t> viewer_bytes_ = 0;  // posted to this thread
   std::atomic<uint64_t> viewer_dropped_ = 0;
-  std::map<std::pair<ReportClass, std::string>, ViewClient::Message> last_;
+  ReportStore reports_{kMaxStoredReports};
+  std::map<std::pair<std::string, size_t>, ViewClient::Message> last_frames_;  // by kind and index
+  ViewClient::Message ended_;  // null: the drive goes on
   ViewClient::Message last_map_;
   Eigen::Vector2d map_middle_ = Eigen::Vector2d::Zero();  // of that, m, map frame
   ViewSweep sweep_;  // memory that is used again, as the next two
@@ -451,10 +464,11 @@ std::string ViewServer::page_address() const {
   return address() + (token.empty() ? "" : "?token=" + token);
 }
 
-void ViewServer::publish(ReportClass report_class, const std::string& device,
-                         const std::string& line) {
-  impl_->publish(report_class, device, line);
+void ViewServer::publish(ReportClass report_class, const std::string& line) {
+  impl_->publish(report_class, line);
 }
+
+void ViewServer::end_drive() { impl_->end_drive(); }
 
 size_t ViewServer::clients() const { return impl_->clients(); }
 

@@ -21,7 +21,9 @@ using ReplayControl = std::function<void(const ViewCommand&)>;
 /// Serves the page of the view, and over a WebSocket the reports, sweeps and images to pages that
 /// are open; to viewers that speak Foxglove's protocol, the messages they subscribe to. Has a
 /// thread of its own; the pipeline never waits for it, and a page that does not keep up loses
-/// frames and gets their number. Read-only, but for the pace of a replay.
+/// frames and gets their number. Read-only, but for the pace of a replay. A page that is opened
+/// late gets the HEALTH, CALIBRATION and ALERT reports since the start, and of a replay the last
+/// frames.
 class ViewServer {
  public:
   /// `tap`, `map` (null or empty: nothing is beneath) and `channels` (null: no viewers of others)
@@ -44,7 +46,10 @@ class ViewServer {
   std::string page_address() const;
 
   /// Publishes a report, a line of JSON; from any thread.
-  void publish(ReportClass report_class, const std::string& device, const std::string& line);
+  void publish(ReportClass report_class, const std::string& line);
+
+  /// Tells the pages, and those opened later, that the drive has ended; from any thread.
+  void end_drive();
 
   /// Number of pages that are open; from any thread.
   size_t clients() const;

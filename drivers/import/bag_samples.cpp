@@ -58,7 +58,11 @@ bool BagSamples::add_speed(const BagMessage& message) {
 
 bool BagSamples::add_imu(const BagMessage& message) {
   const auto imu = ros::decode<ros::Imu>(message.data, message.encoding);
-  if (!imu) return false;
+  // A covariance that begins with -1: not measured.
+  if (!imu || imu->angular_velocity_covariance[0] == -1 ||
+      imu->linear_acceleration_covariance[0] == -1) {
+    return false;
+  }
   const ImuSample sample{stamp_of(imu->header, message.log_time),
                          rotate(R_vehicle_imu_, imu->angular_velocity),
                          rotate(R_vehicle_imu_, imu->linear_acceleration)};

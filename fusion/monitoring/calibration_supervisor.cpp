@@ -177,9 +177,11 @@ void CalibrationSupervisor::use_result_if_due(const MonitorReport& report,
   const CalibrationEvent event = event_of(result);
   std::string what = "not re-estimated: " + result.reason;
   if (event == CalibrationEvent::kResultUnmoved) {
-    what = format_text("re-estimated: not moved significantly (%.1f sigma)", result.moved);
+    what = format_text("re-estimated: moved by %.1f standard deviations, not significantly",
+                       result.moved);
   } else if (event == CalibrationEvent::kResultAllowed) {
-    what = format_text("applied: moved by %.1f sigma, %zu scenes", result.moved, result.scenes);
+    what = format_text("applied: moved by %.1f standard deviations, from %zu scenes", result.moved,
+                       result.scenes);
   } else if (event == CalibrationEvent::kResultProposed) {
     what = "proposed: the policy does not apply it";
   }

@@ -58,64 +58,127 @@ const text = (page, selector) => page.$eval(selector, e => e.textContent).catch(
 const plain = path.join(out, 'plain.jsonl'), watched = path.join(out, 'watched.jsonl');
 execFileSync(replay()[0], [...replay('--rate', 'max').slice(1), '--reports', plain], {stdio: 'ignore'});
 
-let run = start('--rate', quick ? '0.5' : '1', '--reports', watched);
+let run = start('--rate', quick ? '0.2' : '1', '--reports', watched);
 const page = await newPage('light');
 check('the page loads', await load(page));
 check('the sweep is shown', await waitFor(async () => /returns shown/.test(await text(page, '#sweep'))), await text(page, '#sweep'));
-for (const scheme of quick ? ['light'] : ['light', 'dark']) {
-  await page.emulateMediaFeatures([{name: 'prefers-color-scheme', value: scheme}]);
-  for (const panel of ['cameras', 'scene', 'calibration', 'motion', 'health']) {
-    await page.click(`nav button[data-panel=${panel}]`);
-    await sleep(700);
-    await page.screenshot({path: path.join(out, `${panel}-${scheme}.png`)});
+// The drive has waited: its first report is there, too.
+check('the drive began with the page', await page.evaluate('player.history.first - driveStart') < 1.5);
+if (!quick) {
+  for (const [name, width, height] of [['1920', 1920, 1080], ['1280', 1280, 860], ['820', 820, 1180], ['390', 390, 844]]) {
+    for (const scheme of ['light', 'dark']) {
+      await page.emulateMediaFeatures([{name: 'prefers-color-scheme', value: scheme}]);
+      await page.setViewport({width, height});
+      for (const panel of width < 1100 ? ['scene', 'cameras', 'calibration', 'plan', 'health'] : ['']) {
+        if (panel) await page.evaluate(`layout.open('${panel}')`);
+        await sleep(500);
+        await page.screenshot({path: path.join(out, `${name}-${scheme}${panel && '-'}${panel}.png`)});
+      }
+    }
   }
+  await page.emulateMediaFeatures([{name: 'prefers-color-scheme', value: 'light'}]);
+  await page.setViewport({width: 1280, height: 860});
 }
-check('health lists the lidar', /sweeps\/s/.test(await text(page, '#health')));
-check('odometry is shown', /speed, m\/s/.test(await text(page, '#motion')));
-const cameras = await page.$$eval('#cameras canvas', all => all.length);
+// One screen: four panels and a strip; each can be enlarged, and what was chosen is remembered.
+const seen = () => page.$$eval('section', all => all.filter(e => e.offsetWidth > 0).map(e => e.id).join(' '));
+check('one screen has four panels', await seen() === 'scene cameras calibration plan', await seen());
+check('nothing is beyond the window', await page.evaluate('document.documentElement.scrollHeight <= innerHeight && document.documentElement.scrollWidth <= innerWidth'));
+await page.$eval('#plan .enlarge', e => e.click());
+check('a panel is enlarged', await seen() === 'plan' && await page.evaluate('place("plan").offsetWidth > 0.9 * innerWidth'), await seen());
+await page.reload();
+check('and is so after a reload', await waitFor(async () => await seen() === 'plan'), await seen());
+await page.keyboard.press('Escape');
+check('and the others come back', await seen() === 'scene cameras calibration plan');
+check('after a reload it is drive time', await waitFor(async () => Math.abs(await page.evaluate('health ? shownTime() - driveStart - health.drive_s : 9')) < 2),
+  await text(page, '#time'));
+await page.evaluate(`layout.open('health')`);
+check('health lists the lidar', await waitFor(async () => /sweeps\/s/.test(await text(page, '#health'))));
+check('odometry is shown', /Odometry/.test(await text(page, '#health')));
+await page.evaluate(`layout.enlarge('')`);
+check('the level is that of HEALTH', await waitFor(async () => await page.evaluate(`place('level').textContent.endsWith(health.level)`)));
+check('every sensor has a chip', await page.evaluate(`[...health.sensors, ...health.streams].every(s => place('strip').textContent.includes(s.device))`));
+// Legends, and values under the pointer, against what the page draws.
+for (const [colour, legend] of [['0', /distance from the lidar, m/], ['1', /height above ground, m/], ['2', /reflectivity, %/], ['3', /ring/]]) {
+  await page.select('#colour', colour);
+  check('its colours have a legend', legend.test(await text(page, '#scene-legend')), await text(page, '#scene-legend'));
+}
+await waitFor(() => page.evaluate('Boolean(scene.frame && scene.drawnProjection)'));
+await page.click('#pause');
+await sleep(1500);
+const target = await page.evaluate(() => {
+  const {header, points} = scene.frame, box = scene.canvas.getBoundingClientRect();
+  for (let i = 0; i < header.points; i += 7) {
+    const T = header.T_vehicle_lidar, v = [points.x[i], points.y[i], points.z[i]].map(c => 0.01 * c);
+    const at = [0, 4, 8].map(r => T[r] * v[0] + T[r + 1] * v[1] + T[r + 2] * v[2] + T[r + 3]), pixel = scene.pixel(scene.drawnProjection, ...at);
+    if (pixel && pixel[0] > 20 && pixel[1] > 60 && pixel[0] < box.width - 20 && pixel[1] < box.height - 20) {
+      return {x: box.x + pixel[0], y: box.y + pixel[1], range: Math.hypot(...v)};
+    }
+  }
+  return null;
+});
+await page.mouse.move(target.x, target.y);
+check('the pointer shows a return', await waitFor(async () => /range [\d.]+ m, height -?[\d.]+ m, reflectivity \d+ %, ring \d+, sweep at/.test(await text(page, '#scene-value')), 3000),
+  `${await text(page, '#scene-value')} (one there: ${target.range.toFixed(2)} m)`);
+const before_pan = await page.evaluate('[...scene.target]');
+await page.keyboard.down('Shift');
+await page.mouse.down();
+await page.mouse.move(target.x + 40, target.y + 30);
+await page.mouse.up();
+await page.keyboard.up('Shift');
+check('the view is moved', (await page.evaluate('[...scene.target]')).some((v, i) => Math.abs(v - before_pan[i]) > 0.1));
+await page.click('#reset');
+check('and reset', (await page.evaluate('[...scene.target]')).every(v => v === 0));
+await page.click('#pause');
+const cameras = await page.$$eval('#images canvas', all => all.length);
 if (cameras > 0) {
-  check('the lidar is on the image', await waitFor(async () => /[1-9]\d* returns in view/.test(await text(page, '#cameras'))),
-    await text(page, '#cameras .tools .dim'));
-  // The profile of the dependence: six charts, or why there are none; asked for by this panel only.
-  await page.click('nav button[data-panel=cameras]');
-  const profile = () => page.evaluate(`(player.history.entries.get('profile:' + [...overlays.keys()][0]) ?? []).at(-1)?.value.header ?? null`);
+  check('the lidar is on the image', await waitFor(async () => /[1-9]\d* returns/.test(await text(page, '#images'))), await text(page, '#images .note'));
+  const canvas = await page.$('#images canvas'), box = await canvas.boundingBox();
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  check('the pointer shows a pixel', await waitFor(async () => /pixel \d+, \d+: red \d+/.test(await text(page, '#images .value')), 3000), await text(page, '#images .value'));
+  // The profile of the dependence: six charts, or why there are none; asked for while it is seen only.
+  const profile = () => page.evaluate(`([...player.history.entries].find(([key]) => key.startsWith('profile:'))?.[1] ?? []).at(-1)?.value.header ?? null`);
   check('a profile of the dependence comes', await waitFor(async () => await profile() !== null));
   const {reason, profiles} = await profile();
-  const charts = await page.$$eval('#cameras .overlay .profiles svg', all => all.length);
   if (reason) {
-    check('without a profile the reason is shown', charts === 0 && (await text(page, '#cameras')).includes(reason), reason);
+    check('without a profile the reason is shown', await waitFor(async () => (await text(page, '#calibration')).includes(reason)), reason);
   } else {
     const names = Object.keys(profiles);
-    check('it has six axes for each calibration', charts === 6 * cameras && names.includes('use') && names.includes('saved') &&
+    check('it has six axes for each calibration', await waitFor(async () => await page.$$eval('#calibration .profiles svg', all => all.length) === 6 * cameras) &&
+      names.includes('use') && names.includes('saved') &&
       names.every(name => profiles[name].length === 6 && profiles[name].every(axis => axis.length === 25 && axis.every(Number.isFinite))), names.join(', '));
     check('whose middle is the dependence at that calibration', names.every(name => profiles[name].every(axis => axis[12] === profiles[name][0][12])));
   }
-  if (!quick) {
-    for (const scheme of ['light', 'dark']) {
-      await page.emulateMediaFeatures([{name: 'prefers-color-scheme', value: scheme}]);
-      await page.evaluate(`document.querySelector('.profiles')?.scrollIntoView({block: 'end'})`);
-      await sleep(300);
-      await page.screenshot({path: path.join(out, `profile-${scheme}.png`)});
-    }
-  }
-  await page.click('nav button[data-panel=scene]');
+  await page.evaluate(`layout.enlarge('scene')`);
   await sleep(500);
   const count = () => page.evaluate(`[...player.history.entries].filter(([key]) => key.startsWith('profile:')).reduce((sum, [, list]) => sum + list.length, 0)`);
   const had = await count();
   await sleep(3000);
   check('no profile is made while the panel is closed', await count() === had, `${had} before`);
+  await page.evaluate(`layout.enlarge('')`);
 }
-await page.keyboard.press('1');
+await page.evaluate('document.activeElement.blur()');
 await page.keyboard.press(' ');
 await sleep(1500);
 const paused = await text(page, '#cursor');
 await sleep(2500);
 check('a pause holds the replay', /^connected/.test(await text(page, '#connection')) && /paused/.test(paused) && paused === await text(page, '#cursor'), paused);
 await page.keyboard.press(' ');
-await page.evaluate('player.goTo(start + 1e6)');
-await run.ended;
-check('reports are the same with a page', fs.readFileSync(plain).equals(fs.readFileSync(watched)),
+await page.click('#finish');
+check('a run to the end ends there', await waitFor(async () => /s the end$/.test(await text(page, '#cursor')), 120000), await text(page, '#cursor'));
+check('reports are the same with a page', await waitFor(() => fs.readFileSync(plain).equals(fs.readFileSync(watched))),
   `${fs.statSync(watched).size} bytes`);
+// The daemon stays: a page that is opened now has the reports of the whole drive, and its last sweep.
+await page.reload();
+check('the end is shown after a reload', await waitFor(async () => /s the end$/.test(await text(page, '#cursor'))), await text(page, '#cursor'));
+check('with the last sweep', await waitFor(async () => /returns shown/.test(await text(page, '#sweep'))));
+check('and the course from the start', await page.evaluate('course.states.get("health")[0].t - driveStart') < 1.5);
+// Scrubbing: the time under the pointer is shown at once.
+const strip = await (await page.$('#timeline')).boundingBox(), middle = await page.evaluate('[timeline.left, timeline.right]');
+await page.mouse.click(strip.x + (middle[0] + middle[1]) / 2, strip.y + 20);
+const range = await page.evaluate('[timeline.range.first, timeline.range.last, player.cursor, driveStart]');
+check('scrubbing shows the time under the pointer', Math.abs(range[2] - (range[0] + range[1]) / 2) < 0.02 * (range[1] - range[0]), await text(page, '#cursor'));
+await page.keyboard.press('End');
+await stop(run);
 check('the page says that the daemon has ended', await waitFor(async () => /ended/.test(await text(page, '#connection'))));
 run = start('--rate', '1');
 check('and finds the next one', await waitFor(async () => /^connected/.test(await text(page, '#connection'))));
@@ -133,7 +196,7 @@ run = start('--rate', '0.25', '--reports', sought);
 {
   const view = await newPage('light');
   await load(view);
-  const shown = () => view.evaluate('scene.frame ? Number(scene.frame.header.stamp) / 1e9 : 0');
+  const shown = () => view.evaluate('scene.frame ? seconds(scene.frame.header.stamp) : 0');
   check('a slow replay is shown', await waitFor(async () => await shown() > 0));
   await view.keyboard.press(' ');
   await sleep(1000);
@@ -149,7 +212,7 @@ run = start('--rate', '0.25', '--reports', sought);
   await view.keyboard.press('ArrowLeft');
   check('and one back', await shown() === seen[seen.length - 2]);
   const jump = async t => {
-    await view.evaluate(`place('goto').value = ${t} - start; place('goto').dispatchEvent(new Event('change'))`);
+    await view.evaluate(`place('goto').value = ${t} - driveStart; place('goto').dispatchEvent(new Event('change'))`);
   };
   const target = begun + 0.6 * (ended - begun);
   await jump(target);
@@ -172,16 +235,21 @@ run = start('--rate', '0.25', '--reports', sought);
   }
   await view.evaluate('player.follow()');
   await jump(ended + 1000);
-  await run.ended;
+  await waitFor(async () => /s the end$/.test(await text(view, '#cursor')), 120000);
   check('reports are the same with steps and seeks', fs.readFileSync(plain).equals(fs.readFileSync(sought)));
+  await stop(run);
   await waitFor(async () => /ended/.test(await text(view, '#connection')));
   await jump(seen[1]);
   check('after the end one can still look back', await shown() === seen[1]);
   await view.close();
 }
 
+// Without waiting: the drive ends by itself, though nobody looks.
+run = start('--no-wait', '--rate', 'max');
+check('a replay that does not wait ends with the drive', await Promise.race([run.ended.then(() => true), sleep(120000).then(() => false)]));
+
 // A client that reads nothing for 10 s, beside another (that a slow one loses messages: view_server_test.cpp).
-run = start('--rate', '0.25');
+run = start('--no-wait', '--rate', '0.25');
 await waitFor(() => fetch(url).then(() => true, () => false));
 function client() {
   const socket = new WebSocket(url.replace('http', 'ws') + 'stream', {origin: url.slice(0, -1)});
@@ -214,7 +282,7 @@ await stop(run);
 
 // Cost: processor time of the daemon at real time, and what a page receives.
 for (const watchedBy of quick ? [] : [0, 1]) {
-  const daemon = start('--rate', '1');
+  const daemon = start('--no-wait', '--rate', '1');
   const view = await newPage('light');
   let bytes = 0;
   if (watchedBy) {

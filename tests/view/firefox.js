@@ -11,7 +11,7 @@ const port = 20000 + Math.floor(Math.random() * 20000), config = path.join(out, 
 fs.mkdirSync(out, {recursive: true});
 fs.writeFileSync(config, `[view]\nport = ${port}\n` + (base ? fs.readFileSync(base, 'utf8') : ''));
 const daemon = spawn(path.join(bin, 'infused'), ['--replay', drive, '--config', config, '--socket', path.join(out, 'firefox.sock'),
-  '--view', '--rate', '0.25', '--json'], {stdio: 'ignore'});
+  '--view', '--no-wait', '--rate', '0.25', '--json'], {stdio: 'ignore'});
 const sleep = ms => new Promise(done => setTimeout(done, ms));
 let good = false, returns = '', failure = '';
 let browser = null;

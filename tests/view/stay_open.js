@@ -23,7 +23,7 @@ async function replay(name, page_memory = async () => '') {
   console.log(name);
   bytes = lost = 0;
   const child = spawn(path.join(bin, 'infused'), ['--replay', drive, '--config', config, '--socket',
-    path.join(out, 'stay_open.sock'), '--view', '--rate', '1'], {stdio: ['ignore', 'pipe', 'pipe']});
+    path.join(out, 'stay_open.sock'), '--view', '--no-wait', '--rate', '1'], {stdio: ['ignore', 'pipe', 'pipe']});
   let text = '', ended = false;
   for (const stream of [child.stdout, child.stderr]) stream.on('data', data => { text = (text + data).slice(-20000); });
   child.on('exit', () => { ended = true; });

@@ -31,29 +31,30 @@ function pathText(points, step) {
 }
 
 /**
- * A chart over time. lines: [{points: [[t, value]], colour, step, dots, dash}]; bands: [{points: [[t, low, high]],
- * colour}]; spans: [{from, to, colour, name}] behind everything; marks: [{t, name}].
+ * A chart over time. lines: [{points: [[t, value]], colour, step, dots, dash, label}]; bands: [{points: [[t, low, high]],
+ * colour}]; spans: [{from, to, colour, name}] behind everything; marks: [{t, name}]; cursor: a time, or undefined.
  */
 function timeChart({title, unit, duration, lines, bands = [], spans = [], marks = [], height = 230, width = 1060,
-                    zero = false}) {
+                    zero = false, cursor}) {
   const all = lines.flatMap(l => l.points.map(p => p[1])).concat(bands.flatMap(b => b.points.flatMap(p => [p[1], p[2]])));
   const finite = all.filter(Number.isFinite);
   if (finite.length === 0) return element('p', {class: 'note'}, `${title}: no values`);
   let low = finite.reduce((a, b) => Math.min(a, b)), high = finite.reduce((a, b) => Math.max(a, b));
   if (zero) low = Math.min(0, low);
   if (high - low < 1e-9) { high += 0.5; low -= zero ? 0 : 0.5; }
-  const margin = (high - low) * 0.08;
+  const margin = (high - low) * (spans.length ? 0.25 : 0.08);  // names of spans are above the lines
   high += margin;
   if (!(zero && low === 0)) low -= margin;
   const left = 58, right = width - 12, top = 26, bottom = height - 26;
   const x = t => left + (right - left) * t / Math.max(duration, 1e-9);
   const y = v => bottom - (bottom - top) * (v - low) / (high - low);
   const svg = element('svg', {viewBox: `0 0 ${width} ${height}`, role: 'img', 'aria-label': title});
+  const names = [];  // of spans and lines: above everything, with a rim
   for (const s of spans) {
     svg.append(element('rect', {x: x(s.from), y: top, width: Math.max(0, x(s.to) - x(s.from)), height: bottom - top,
       fill: s.colour, opacity: 0.16}, element('title', {}, s.name)));
     if (x(s.to) - x(s.from) > 8 * s.name.length + 8) {
-      svg.append(element('text', {x: x(s.from) + 4, y: top + 13}, s.name));
+      names.push(element('text', {x: x(s.from) + 4, y: top + 13, class: 'over'}, s.name));
     }
   }
   const vertical = ticks(low, high, 4);
@@ -77,6 +78,9 @@ function timeChart({title, unit, duration, lines, bands = [], spans = [], marks 
       'stroke-linejoin': 'round'});
     if (l.dash) path.setAttribute('stroke-dasharray', '6 4');
     svg.append(path);
+    if (l.label && points.length) {
+      names.push(element('text', {x: right - 4, y: Math.max(top + 26, points.at(-1)[1] - 6), 'text-anchor': 'end', fill: l.colour, class: 'over'}, l.label));
+    }
     if (l.dots) {
       l.points.forEach(p => svg.append(element('circle', {cx: x(p[0]), cy: y(p[1]), r: 3.5, fill: l.colour},
         element('title', {}, p[2] ?? ''))));
@@ -86,8 +90,12 @@ function timeChart({title, unit, duration, lines, bands = [], spans = [], marks 
     const end = x(m.t) > right - 200;
     svg.append(element('line', {x1: x(m.t), x2: x(m.t), y1: top, y2: bottom, stroke: 'var(--text)', 'stroke-dasharray': '2 3'}),
                element('text', {x: x(m.t) + (end ? -5 : 5), y: top + 30, 'text-anchor': end ? 'end' : 'start',
-                 class: 'mark'}, m.name));
+                 class: 'mark over'}, m.name));
   }
+  if (cursor !== undefined) {
+    svg.append(element('line', {x1: x(cursor), x2: x(cursor), y1: top, y2: bottom, stroke: 'var(--text)', 'stroke-width': 1.5, class: 'cursor'}));
+  }
+  svg.append(...names);
   return svg;
 }
 
@@ -141,6 +149,6 @@ function table(head, rows) {
   const cell = (tag, value) => typeof value === 'number' || value instanceof Number
     ? element(tag, {class: 'number'}, String(value)) : element(tag, {}, value ?? '');
   return element('div', {class: 'scroll'}, element('table', {},
-    element('tr', {}, ...head.map(h => element('th', {}, h))),
+    element('tr', {}, ...head.map((h, i) => element('th', {class: typeof rows[0]?.[i] === 'number' ? 'number' : ''}, h))),
     ...rows.map(row => element('tr', {}, ...row.map(value => cell('td', value))))));
 }

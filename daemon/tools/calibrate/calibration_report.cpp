@@ -11,6 +11,7 @@
 #include "drivers/measurement/angles.hpp"
 #include "drivers/text/text_file.hpp"
 #include "fusion/calibration/landscape.hpp"
+#include "fusion/geometry/extrinsic_error.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -30,9 +31,32 @@ figure{margin:1em 0}figure img{width:100%}figcaption,.note{color:#666;font-size:
 .row{display:flex;flex-wrap:wrap;gap:14px}.map img{width:180px;height:180px;image-rendering:pixelated;
 border:1px solid #999}.map{width:182px;font-size:12px;text-align:center}
 table{border-collapse:collapse}td,th{padding:2px 10px;text-align:right;font-variant-numeric:tabular-nums}
+.verdict{font-size:19px;font-weight:600}.tools input[type=range]{width:min(340px,60%);vertical-align:middle}
+.compare{position:relative}.compare img{width:100%;display:block}.compare .after{position:absolute;inset:0}[hidden]{display:none}
+#compared{overflow:auto}#compared.large .compare{width:200%}[aria-pressed=true]{font-weight:700}
 td:first-child{text-align:left}.bar{background:#4a7;height:10px;display:inline-block}
 .yes{color:#175}.no{color:#b22}svg{background:#fafaf8;border:1px solid #ccc}</style>
 )";
+
+/// Shows one scene at a time, cut at the slider, which may blink.
+const char* kCompareCode = R"(<script>
+const all = q => [...document.querySelectorAll(q)], cut = document.getElementById('cut');
+const show = k => all('.compare').forEach((e, i) => { e.hidden = i !== k; all('.scene')[i].setAttribute('aria-pressed', i === k); });
+const apply = () => all('.after').forEach(e => { e.style.clipPath = `inset(0 0 0 ${cut.value}%)`; });
+let turn = 0;
+all('.scene').forEach((e, i) => e.addEventListener('click', () => show(i)));
+cut.addEventListener('input', apply);
+document.getElementById('blink').addEventListener('click', e => {
+  clearInterval(turn);
+  turn = turn ? 0 : setInterval(() => { cut.value = cut.value < 50 ? 100 : 0; apply(); }, 700);
+  e.target.textContent = turn ? 'Stop' : 'Blink';
+});
+document.getElementById('zoom').addEventListener('change', e => {
+  document.getElementById('compared').classList.toggle('large', e.target.checked);
+});
+show(0);
+apply();
+</script>)";
 
 /// Escapes text for HTML.
 std::string escape_html(const std::string& text) {
@@ -49,33 +73,76 @@ std::string escape_html(const std::string& text) {
   return out;
 }
 
-std::string result_html(const ScenePairs& pairs, const std::vector<CalibrationRun>& runs) {
-  const calibration::CalibrationResult& result = runs.front().result;
-  std::string html = fmt::format("<h1>{} against {}</h1>", escape_html(camera_names(pairs)),
-                                 escape_html(pairs.lidar));
-  html += result.usable() ? "<p class=yes><b>Usable.</b></p>"
-                          : "<p class=no><b>Not usable:</b> " + escape_html(result.reason) + "</p>";
+/// The result against where it started.
+geometry::ExtrinsicError move_of(const CalibrationRun& run) {
+  return geometry::extrinsic_error(run.result.T_refcam_lidar, run.initial_pose,
+                                   run.cameras.front().model);
+}
+
+/// How far the result moved the calibration, and how sure it is, along each axis.
+std::string sigma_table_html(const CalibrationRun& run) {
+  const geometry::ExtrinsicError moved = move_of(run);
+  const geometry::Matrix6 covariance = run.result.covariance();
+  std::string html = "<table><tr><th>axis of the camera<th>moved by<th>standard deviation<th>";
+  for (int axis = 0; axis < 6; ++axis) {
+    const double unit = axis < 3 ? kDegree : 0.01;
+    const int digits = axis < 3 ? 3 : 2;
+    html += fmt::format("<tr><td>{}<td>{:+.{}f}<td>{:.{}f}<td>{}", kAxes[static_cast<size_t>(axis)],
+                        moved.by_axis(axis) / unit, digits,
+                        std::sqrt(std::max(0.0, covariance(axis, axis))) / unit, digits,
+                        axis < 3 ? "deg" : "cm");
+  }
+  return html + "</table>";
+}
+
+std::string result_html(const ScenePairs& pairs, const CalibrationRun& run) {
+  const geometry::ExtrinsicError moved = move_of(run);
+  const std::string title = fmt::format("<h1>{} against {}</h1>", escape_html(camera_names(pairs)),
+                                        escape_html(pairs.lidar));
+  const std::string verdict =
+      run.result.usable()
+          ? fmt::format(
+                "yes\">&#10003; Usable: {} scenes turn the camera by {:.2f}&deg; and move "
+                "it by {:.1f} cm, {:.1f} px in the image.",
+                pairs.pairs.size(), moved.rotation / kDegree, 100 * moved.translation, moved.pixels)
+          : "no\">&#10005; Not usable: " + escape_html(run.result.reason);
+  return title + "<p class=\"verdict " + verdict + "</p>" + sigma_table_html(run);
+}
+
+/// What the command prints, for who wants it all.
+std::string printed_html(const ScenePairs& pairs, const std::vector<CalibrationRun>& runs) {
+  std::string html = "<details><summary>What infuse calibrate printed</summary>";
   for (const CalibrationRun& run : runs) {
     html += "<pre>" + escape_html(to_text(run, pairs)) + "</pre>";
   }
-  return html;
+  return html + "</details>";
 }
 
+/// Lidar over image before and after, one above the other with a slider between them; one scene is
+/// shown at a time.
 std::string overlays_html(const ScenePairs& pairs, const CalibrationRun& run) {
+  std::string figures;
   std::string html =
-      "<h2>Lidar over image</h2><p class=note>Returns by distance, red near, blue far. Colour "
-      "edges should coincide with image edges.</p>";
+      "<h2>Lidar over image, before and after</h2><p class=note>Left of the slider before, right "
+      "after. Returns by distance, bright near, dark far: where the colour jumps, the image should "
+      "have an edge.</p><p class=tools>";
   for (const size_t k : choose_drawn(pairs, kMaxOverlays)) {
     const ScenePair& pair = pairs.pairs[k];
-    for (const auto& [T, when] :
-         {std::pair(run.initial_pose, "before"), std::pair(run.result.T_refcam_lidar, "after")}) {
-      html += fmt::format("<figure><img src=\"{}\"><figcaption>{}, {}</figcaption></figure>",
-                          data_url(draw_overlay(pair, run.cameras[pair.camera].model.intrinsics(),
-                                                T_camera_refcam(pairs, pair.camera) * T)),
-                          escape_html(pair.name), when);
-    }
+    const auto image = [&](const Eigen::Isometry3d& T) {
+      return data_url(draw_overlay(pair, run.cameras[pair.camera].model.intrinsics(),
+                                   T_camera_refcam(pairs, pair.camera) * T));
+    };
+    html += fmt::format("<button class=scene>{}</button> ", escape_html(pair.name));
+    figures += fmt::format(
+        "<div class=compare><img src=\"{}\" alt=before><img class=after "
+        "src=\"{}\" alt=after></div>",
+        image(run.initial_pose), image(run.result.T_refcam_lidar));
   }
-  return html;
+  return html +
+         "<input id=cut type=range value=50 aria-label=\"before and after\"> <button id=blink>"
+         "Blink</button> <label><input id=zoom type=checkbox> twice as large</label></p>"
+         "<div id=compared>" +
+         figures + "</div>" + kCompareCode;
 }
 
 /// Plots a curve over −max_offset … max_offset.
@@ -204,9 +271,9 @@ Result<void> write_report(const std::filesystem::path& folder, const ScenePairs&
                                    run.options.visibility, run.options.maximize,
                                    run.initial_pose.inverse().translation(),
                                    run.options.initial_translation_sigma);
-  const std::string page = kHtmlHeader + result_html(pairs, runs) + overlays_html(pairs, run) +
+  const std::string page = kHtmlHeader + result_html(pairs, run) + overlays_html(pairs, run) +
                            objective_html(run, search) + histograms_html(run, search) +
-                           scenes_html(pairs, run);
+                           scenes_html(pairs, run) + printed_html(pairs, runs);
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
   return text::write_text(folder / "index.html", page + "</html>\n");

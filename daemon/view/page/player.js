@@ -1,12 +1,14 @@
 'use strict';
 // Time: play, pause, step and seek, in what the page has kept and, in a replay, beyond it.
 
-const liveSeconds = 60, playPeriod = 0.05, maxAlerts = 200;
+const liveSeconds = 60, playPeriod = 0.05;
 
 class Player {
-  /** `show(key, value)` shows what was valid at a time; `send` gives a command to the daemon. */
-  constructor(show, send) {
+  /** `show(key, value)` shows what was valid at a time; `send` gives a command to the daemon; `moved` is called when another
+   *  time is shown. */
+  constructor(show, send, moved) {
     this.show = show;
+    this.moved = moved;
     this.send = send;
     this.history = new DriveHistory(liveSeconds);
     this.begin(false);
@@ -16,9 +18,8 @@ class Player {
     at('step', 'click', () => this.step(true));
     at('newest', 'click', () => this.follow());
     at('rate', 'change', () => this.sendRate());
-    at('seek', 'input', e => this.goTo(Number(e.target.value)));
-    at('jump', 'change', e => { if (e.target.value) this.goTo(Number(e.target.value)); e.target.value = ''; });
-    at('goto', 'change', e => { if (e.target.value !== '') this.goTo((start ?? 0) + Number(e.target.value)); });
+    at('goto', 'change', e => { if (e.target.value !== '') this.goTo((driveStart ?? 0) + Number(e.target.value)); });
+    at('finish', 'click', () => this.goTo((this.history.newest ?? 0) + 1e7));
     at('next', 'click', () => this.nextAlert());
     setInterval(() => this.tick(), 1000 * playPeriod);
   }
@@ -28,11 +29,18 @@ class Player {
     this.replay = replay;
     this.history.maxAge = replay ? Infinity : liveSeconds;
     this.history.clear();
-    this.paused = this.seekingAlert = false;
+    this.paused = this.seekingAlert = this.ended = false;
+    this.runningTo = null;  // where a seek beyond the newest goes, s
     this.cursor = null;  // time that is shown, s; null: the newest
     this.sent = null;
     place('replay').hidden = !replay;
-    while (place('jump').options.length > 1) place('jump').remove(1);
+    this.label();
+  }
+
+  /** The drive has ended: nothing new comes. */
+  end() {
+    this.ended = true;
+    this.runningTo = null;
     this.label();
   }
 
@@ -44,10 +52,7 @@ class Player {
     }
   }
 
-  addAlert(t, text) {
-    const jump = place('jump');
-    jump.append(element('option', {value: t}, text));
-    if (jump.options.length > maxAlerts) jump.remove(1);
+  addAlert(t) {
     if (!this.seekingAlert) return;
     this.seekingAlert = false;  // the daemon has paused by itself
     this.paused = true;
@@ -64,10 +69,11 @@ class Player {
   /** A replay waits while somebody looks back. */
   sendRate() {
     this.label();
-    if (!this.replay) return;
+    if (!this.replay || this.ended) return;
     const rate = this.paused || this.cursor !== null ? 0 : Number(place('rate').value);
     if (rate !== this.sent) this.send({rate});
     this.sent = rate;
+    this.runningTo = null;
   }
 
   step(forward) {
@@ -75,7 +81,7 @@ class Player {
     const now = this.cursor ?? this.history.neighbour('sweep:', Infinity, false);
     const found = now === null ? null : this.history.neighbour('sweep:', now, forward);
     if (found !== null) return this.goTo(found);
-    if (!forward || !this.replay) return this.sendRate();
+    if (!forward || !this.replay || this.ended) return this.sendRate();
     this.follow();
     this.send({step: true});
     this.sent = null;  // whatever is asked for next ends the step
@@ -86,12 +92,21 @@ class Player {
     if (this.history.newest === null) return;
     if (t > this.history.newest) {
       this.follow();
-      if (this.replay) this.send({seek: String(Math.round(t * 1e3)) + '000000'});
-      return;
+      if (!this.replay || this.ended) return;
+      this.send({seek: String(Math.round(t * 1e3)) + '000000'});
+      this.runningTo = t;
+      return this.label();
     }
     this.cursor = shownAt = Math.max(t, this.history.first);
-    for (const [key, value] of this.history.at(this.cursor)) this.show(key, value);
+    for (const [key, value] of this.history.at(this.cursor + 1e-6)) this.show(key, value);
+    this.moved();
     this.sendRate();
+  }
+
+  /** Shows a time that was kept, and stays there. */
+  hold(t) {
+    this.paused = true;
+    this.goTo(t);
   }
 
   nextAlert() {
@@ -106,6 +121,7 @@ class Player {
     this.cursor = null;
     shownAt = Infinity;
     for (const [key, value] of this.history.at(Infinity)) this.show(key, value);
+    this.moved();
     if (!this.replay) this.paused = false;
     this.sendRate();
   }
@@ -118,16 +134,26 @@ class Player {
     this.label();
   }
 
+  /** When the oldest sweep or image that can be shown was taken. */
+  kept() {
+    const times = [...this.history.entries].filter(([key]) => /^(sweep|image):/.test(key)).map(([, list]) => list[0].t);
+    return times.length ? Math.min(...times) : Infinity;
+  }
+
   label() {
-    const {first, newest} = this.history, slider = place('seek'), now = this.cursor ?? newest;
-    place('pause').textContent = this.paused ? 'Play' : 'Pause';
+    const {first, newest} = this.history, now = this.cursor ?? newest;
+    if (this.runningTo !== null && newest >= this.runningTo) {
+      this.runningTo = null;
+      this.paused = Number(place('rate').value) === 0 || this.paused;
+    }
+    place('pause').textContent = this.paused || this.ended ? 'Play' : 'Pause';
     place('newest').disabled = this.cursor === null;
-    slider.disabled = newest === null;
-    if (newest === null) return;
-    slider.min = first;
-    slider.max = newest;
-    slider.value = now;
-    place('cursor').textContent = `${(now - (start ?? now)).toFixed(1)} s ` +
-      (this.cursor !== null ? 'looking back' : this.seekingAlert ? 'to the next alert' : this.paused ? 'paused' : this.replay ? 'playing' : 'live');
+    place('finish').disabled = place('next').disabled = this.ended;
+    timeline.update(newest === null ? null : Math.min(driveStart ?? first, first), newest, this.kept(), now);
+    if (newest === null) { place('cursor').textContent = this.replay ? 'the replay begins' : ''; return; }
+    const what = this.cursor !== null ? (this.paused ? 'looking back' : 'playing back') : this.ended ? 'the end' : this.seekingAlert ? 'to the next alert'
+      : this.runningTo !== null ? `running to ${this.runningTo > newest + 1e6 ? 'the end' : timeText(this.runningTo)}`
+        : this.paused ? 'paused' : this.replay ? 'playing' : 'live';
+    place('cursor').textContent = `${timeText(now)} ${what}`;
   }
 }

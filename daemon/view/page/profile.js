@@ -1,47 +1,55 @@
 'use strict';
 // The dependence of an image and its sweep around calibrations, along the six axes of the camera.
 
-const profileAxes = ['pitch, about x', 'yaw, about y', 'roll, about z', 'x, to the right', 'y, down', 'z, ahead'];
+const profileAxes = ['about x, pitch', 'about y, yaw', 'about z, roll', 'x, right', 'y, down', 'z, ahead'];
 /** In the order in which they are drawn: name in the message, name for people, colour, dashes. */
 const profileCurves = [['saved', 'saved', 'var(--dim)', ''], ['use', 'in use', 'var(--odom)', ''],
   ['estimate', 're-estimated', 'var(--warn)', '7 5']];
 
-/** One axis: curves [{nats, colour, dash}] over −halfWidth … halfWidth, with a dot at each maximum. */
-function profileChart({title, unit, halfWidth, curves, low, high}) {
-  const width = 350, height = 180, left = 46, right = width - 10, top = 26, bottom = height - 24;
+/** One axis: curves [{nats, colour, dash, name}] over −halfWidth … halfWidth, with a dot at each maximum; `estimate`:
+ *  {at, sigma} of where the maximum lies over the last images, or undefined. */
+function profileChart({title, unit, digits, halfWidth, curves, low, high, estimate, width, height}) {
+  const left = 8, right = width - 8, top = 36, bottom = height - 18;
   const x = v => left + (right - left) * (v + halfWidth) / (2 * halfWidth);
   const y = v => bottom - (bottom - top) * (v - low) / (high - low);
-  const svg = element('svg', {viewBox: `0 0 ${width} ${height}`, role: 'img', 'aria-label': `dependence along ${title}`});
-  const vertical = ticks(low, high, 3), horizontal = ticks(-halfWidth, halfWidth, 4);
-  for (const v of vertical.values) {
-    svg.append(element('line', {x1: left, x2: right, y1: y(v), y2: y(v), stroke: 'var(--line)'}),
-      element('text', {x: left - 5, y: y(v) + 4, 'text-anchor': 'end'}, v.toFixed(vertical.digits)));
+  const peak = nats => { const best = nats.indexOf(Math.max(...nats)); return [halfWidth * (2 * best / (nats.length - 1) - 1), nats[best]]; };
+  const svg = element('svg', {viewBox: `0 0 ${width} ${height}`, width, height, role: 'img', 'aria-label': `dependence along ${title}`});
+  svg.append(element('text', {x: left, y: 14, class: 'strong'}, title));
+  if (estimate) {
+    const far = Math.abs(estimate.at) > 2 * estimate.sigma, at = Math.min(halfWidth, Math.max(-halfWidth, estimate.at));
+    svg.append(element('text', {x: left, y: 28, class: far ? 'mark' : ''},
+      `${estimate.at >= 0 ? '+' : '−'}${Math.abs(estimate.at).toFixed(digits)} ± ${estimate.sigma.toFixed(digits)} ${unit}`));
+    svg.append(element('rect', {x: x(Math.max(-halfWidth, at - 2 * estimate.sigma)), y: top,
+      width: x(Math.min(halfWidth, at + 2 * estimate.sigma)) - x(Math.max(-halfWidth, at - 2 * estimate.sigma)), height: bottom - top,
+      fill: far ? 'var(--bad)' : 'var(--idle)', opacity: 0.22}));
   }
-  for (const v of horizontal.values) {
-    svg.append(element('text', {x: x(v), y: height - 8, 'text-anchor': 'middle'}, v.toFixed(horizontal.digits)));
+  svg.append(element('line', {x1: x(0), x2: x(0), y1: top, y2: bottom, stroke: 'var(--text)', 'stroke-width': 1.5}));
+  for (const [v, anchor] of [[-halfWidth, 'start'], [0, 'middle'], [halfWidth, 'end']]) {
+    svg.append(element('text', {x: x(v), y: height - 5, 'text-anchor': anchor}, v === 0 ? '0' : `${v > 0 ? '+' : '−'}${Math.abs(v).toFixed(unit === '°' ? 1 : 0)} ${unit}`));
   }
-  svg.append(element('line', {x1: x(0), x2: x(0), y1: top, y2: bottom, stroke: 'var(--text)', 'stroke-dasharray': '2 3'}),
-    element('text', {x: 8, y: 16, class: 'strong'}, `${title}, ${unit}`));
   for (const {nats, colour, dash} of curves) {
-    const at = nats.map((v, i) => [x(halfWidth * (2 * i / (nats.length - 1) - 1)), y(v)]);
-    const best = nats.indexOf(Math.max(...nats));
+    const at = nats.map((v, i) => [x(halfWidth * (2 * i / (nats.length - 1) - 1)), y(v)]), [u, v] = peak(nats);
     svg.append(element('path', {d: pathText(at), fill: 'none', stroke: colour, 'stroke-width': 2, 'stroke-dasharray': dash || 'none'}),
-      element('circle', {cx: at[best][0], cy: at[best][1], r: 3.5, fill: colour}));
+      element('circle', {cx: x(u), cy: y(v), r: 3.5, fill: colour}));
   }
   return svg;
 }
 
-/** The elements that show a message of kind "profile". */
-function profileElements({reason, rotation, translation, profiles}) {
-  if (reason) return [element('p', {class: 'dim'}, `no profile of the dependence: ${reason}`)];
-  const known = profileCurves.filter(([name]) => profiles[name]);
+/** The six axes of a camera: from a message of kind "profile" (or null) and a calibration report. */
+function profileElements(frame, report, size) {
+  const {reason, rotation, translation, profiles} = frame?.header ?? {};
+  const known = profiles ? profileCurves.filter(([name]) => profiles[name]) : [];
   const all = known.flatMap(([name]) => profiles[name].flat());
-  let low = Math.min(...all), high = Math.max(...all);
+  let low = Math.min(...all, Infinity), high = Math.max(...all, -Infinity);
   const margin = 0.08 * Math.max(high - low, 1e-6);
-  low -= margin; high += margin;
-  const charts = profileAxes.map((title, axis) => profileChart({title, unit: axis < 3 ? '°' : 'cm',
-    halfWidth: axis < 3 ? rotation * 180 / Math.PI : 100 * translation, low, high,
-    curves: known.map(([name, , colour, dash]) => ({nats: profiles[name][axis], colour, dash}))}));
-  return [element('p', {class: 'profile-title'}, 'Dependence of image and lidar, nats, around each calibration: '),
-    legend(known.map(([, text, colour]) => [colour, text])), element('div', {class: 'profiles'}, ...charts)];
+  [low, high] = known.length ? [low - margin, high + margin] : [0, 1];
+  const scale = axis => axis < 3 ? 180 / Math.PI : 100;
+  const charts = known.length === 0 && !report?.offset ? [] : profileAxes.map((title, axis) => profileChart({title, ...size, unit: axis < 3 ? '°' : 'cm', digits: axis < 3 ? 2 : 1,
+    halfWidth: scale(axis) * (axis < 3 ? rotation ?? 0.035 : translation ?? 0.2), low, high,
+    curves: known.map(([name, , colour, dash]) => ({nats: profiles[name][axis], colour, dash})),
+    estimate: report?.offset && report.offset_sigma[axis] < 1e3
+      ? {at: -report.offset[axis] * scale(axis), sigma: report.offset_sigma[axis] * scale(axis)} : undefined}));
+  const note = known.length ? [] : [element('p', {class: 'dim'}, reason ? `This image gives no profile: ${reason}.` : 'The profile of the latest image comes within two seconds.')];
+  return [element('p', {class: 'profile-title'}, 'Dependence along the camera\'s axes. Line: calibration in use; band: maximum ± 2σ; dot: latest image.'),
+  ...(known.length > 2 ? [legend(known.map(([, text, colour]) => [colour, text]))] : []), ...note, element('div', {class: 'profiles'}, ...charts)];
 }

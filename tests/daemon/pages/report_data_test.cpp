@@ -70,6 +70,23 @@ TEST(ReportDataTest, PosesGoToTheirFramesWithTheCovarianceOfThePosition) {
   EXPECT_EQ(json["map"]["states"][0]["state"], "TRACKING");
 }
 
+TEST(ReportDataTest, TheSweepInWhichTheVehicleMovedMostIsKept) {
+  ReportData data;
+  EXPECT_FALSE(data.moved_sweep());
+  const auto add = [&](int64_t stamp, double travelled, double turned_deg, const char* deskewed) {
+    data.add_line(R"({"class":"SWEEP","stamp":)" + std::to_string(stamp) +
+                  R"(,"device":"top","deskewed":)" + deskewed + R"(,"travelled":)" +
+                  std::to_string(travelled) + R"(,"turned_deg":)" + std::to_string(turned_deg) +
+                  "}");
+  };
+  add(1 * kSecond, 1, 0, "true");
+  add(2 * kSecond, 0.5, -3, "true");  // 1.55 m at 20 m
+  add(3 * kSecond, 1.4, 0, "true");
+  add(4 * kSecond, 5, 9, "false");
+  EXPECT_EQ(data.moved_sweep(), Stamp::from_ns(2 * kSecond));
+  EXPECT_EQ(data.to_json()["begin_ns"], std::to_string(1 * kSecond));
+}
+
 TEST(ReportDataTest, ACalibrationHasItsFirstAndLastPoseAndTheBeginOfTheDrift) {
   ReportData data;
   data.add_line(calibration_line(1 * kSecond, "OK", 0, 0.5));

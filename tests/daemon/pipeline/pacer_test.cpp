@@ -55,6 +55,15 @@ TEST(Pacer, AStepPassesOnOneSweep) {
   }
 }
 
+TEST(Pacer, NothingPassesBeforeItBegins) {
+  Pacer pacer(std::nullopt);
+  pacer.hold();
+  PacedReader reader(pacer);
+  EXPECT_EQ(reader.settled(), 0);
+  pacer.begin();
+  EXPECT_EQ(reader.settled(), kEvents);
+}
+
 TEST(Pacer, ASeekStopsBeforeItsStampAndStaysPaused) {
   Pacer pacer(0);
   PacedReader reader(pacer);

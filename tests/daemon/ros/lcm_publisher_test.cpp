@@ -25,13 +25,13 @@ TEST(LcmPublisher, PosesSweepsAndAlertsComeOutAsTheyWentIn) {
   const auto publisher = LcmPublisher::create(settings, one_lidar());
   ASSERT_TRUE(publisher) << publisher.error().message();
   LcmPublisher& sink = **publisher;
+  ReportMessages reports(sink);
 
-  ASSERT_TRUE(write_report_message(
-      R"({"class":"POSE","stamp":1700000000000001000,"frame":"odom","usable":true,)"
-      R"("T_frame_vehicle":[0,-1,0,5,1,0,0,6,0,0,1,7,0,0,0,1],"covariance":[)"
-      R"(1,0,0,0,0,0,0,1,0,0,0,0,0,0,1,0,0,0,0,0,0,2,0,0,0,0,0,0,3,0,0,0,0,0,0,4],)"
-      R"("speed":5.5,"yaw_rate":0.25})",
-      sink));
+  ASSERT_TRUE(
+      reports.write(R"({"class":"POSE","stamp":1700000000000001000,"frame":"odom","usable":true,)"
+                    R"("T_frame_vehicle":[0,-1,0,5,1,0,0,6,0,0,1,7,0,0,0,1],"covariance":[)"
+                    R"(1,0,0,0,0,0,0,1,0,0,0,0,0,0,1,0,0,0,0,0,0,2,0,0,0,0,0,0,3,0,0,0,0,0,0,4],)"
+                    R"("speed":5.5,"yaw_rate":0.25})"));
   auto pose = receiver.next();
   ASSERT_TRUE(pose);
   EXPECT_EQ(pose->channel, "INFUSE_POSE_odom");
@@ -80,10 +80,9 @@ TEST(LcmPublisher, PosesSweepsAndAlertsComeOutAsTheyWentIn) {
   for (const int expected : {10, 12, 14}) EXPECT_EQ(s.number<int16_t>(), expected);
   EXPECT_TRUE(s.at_end());
 
-  ASSERT_TRUE(write_report_message(
-      R"({"class":"ALERT","stamp":3000000,"id":"a","device":"top","severity":"WARN",)"
-      R"("state":"raised","since":1,"what":"lost packets","advice":"look"})",
-      sink));
+  ASSERT_TRUE(
+      reports.write(R"({"class":"ALERT","stamp":3000000,"id":"a","device":"top","severity":"WARN",)"
+                    R"("state":"raised","since":1,"what":"lost packets","advice":"look"})"));
   auto alert = receiver.next();
   ASSERT_TRUE(alert);
   EXPECT_EQ(alert->channel, "INFUSE_ALERT");
@@ -94,9 +93,8 @@ TEST(LcmPublisher, PosesSweepsAndAlertsComeOutAsTheyWentIn) {
     EXPECT_EQ(a.text(), expected);
   EXPECT_TRUE(a.at_end());
   // HEALTH is no alert.
-  ASSERT_TRUE(write_report_message(
-      R"({"class":"HEALTH","stamp":3,"level":"OK","sensors":[],"streams":[],"findings":[]})",
-      sink));
+  ASSERT_TRUE(reports.write(
+      R"({"class":"HEALTH","stamp":3,"level":"OK","sensors":[],"streams":[],"findings":[]})"));
   EXPECT_EQ(sink.sent(), 3u);
   EXPECT_EQ(sink.failed(), 0u);
 }

@@ -144,6 +144,7 @@ TEST(ViewFrames, TheStreetMapIsSentAroundAPoint) {
   // The middle of a cell of the message falls on that cell of the map.
   const Frame frame(encode_map(*map, {1006.1 - 0.25, 2002.1 - 0.25}, Stamp::from_ns(5)));
   EXPECT_EQ(frame.header["kind"], "map");
+  EXPECT_FALSE(frame.header.contains("origin_deg"));  // not georeferenced
   const int columns = frame.header["columns"], rows = frame.header["rows"];
   ASSERT_EQ(frame.bytes.size() - frame.payload, static_cast<size_t>(columns * rows));
   for (int i = 0; i < columns * rows; ++i) {
@@ -307,8 +308,8 @@ TEST_F(ViewServerTest, OtherRequestsAreRefusedAndTheServerLives) {
 
 TEST_F(ViewServerTest, APageGetsReportsSweepsAndTheLastStates) {
   const auto server = start();
-  server->publish(ReportClass::kHealth, "", R"({"class":"HEALTH","n":1})");
-  server->publish(ReportClass::kSweep, "top", R"({"class":"SWEEP"})");  // nobody looks
+  server->publish(ReportClass::kHealth, R"({"class":"HEALTH","n":1})");
+  server->publish(ReportClass::kSweep, R"({"class":"SWEEP"})");  // nobody looks
   Page page = open(*server);
   EXPECT_EQ(read(page), R"({"class":"VIEW","form":1,"replay":false})");
   EXPECT_EQ(read(page), R"({"class":"HEALTH","n":1})");
@@ -317,11 +318,36 @@ TEST_F(ViewServerTest, APageGetsReportsSweepsAndTheLastStates) {
   const std::string binary = read(page);
   EXPECT_TRUE(page.got_binary());
   EXPECT_EQ(Frame(binary).points(), 3u);
-  server->publish(ReportClass::kSweep, "top", R"({"class":"SWEEP"})");
+  server->publish(ReportClass::kSweep, R"({"class":"SWEEP"})");
   EXPECT_EQ(read(page), R"({"class":"SWEEP"})");
   page.close(beast::websocket::close_code::normal);
   EXPECT_TRUE(wait_until([&] { return server->clients() == 0; }));
   EXPECT_TRUE(wait_until([&] { return !tap_.wanted(); }));
+}
+
+TEST_F(ViewServerTest, APageOpenedLaterGetsTheReportsSinceTheStartAndTheEnd) {
+  std::atomic<int> opened = 0;
+  const auto server = start([&](const ViewCommand& command) {
+    opened += command.kind == ViewCommand::Kind::kOpened ? 1 : 0;
+  });
+  server->publish(ReportClass::kHealth, R"({"class":"HEALTH","n":1})");
+  server->publish(ReportClass::kHealth, R"({"class":"HEALTH","n":2})");
+  server->publish(ReportClass::kAlert, R"({"class":"ALERT"})");
+  server->publish(ReportClass::kPose, R"({"class":"POSE"})");
+  Page early = open(*server);
+  ASSERT_TRUE(wait_until([&] { return tap_.wanted(); }));
+  tap_.add_sweep(SmallSweep(3).snapshot(), nullptr);
+  while (!early.got_binary()) read(early);
+  server->end_drive();
+  while (early.got_binary()) EXPECT_EQ(read(early), R"({"class":"END"})");
+  Page late = open(*server);
+  EXPECT_EQ(opened, 2);
+  EXPECT_EQ(read(late), R"({"class":"VIEW","form":1,"replay":true})");
+  EXPECT_EQ(
+      read(late),
+      "{\"class\":\"HEALTH\",\"n\":1}\n{\"class\":\"HEALTH\",\"n\":2}\n{\"class\":\"ALERT\"}");
+  EXPECT_EQ(Frame(read(late)).points(), 3u);
+  EXPECT_EQ(read(late), R"({"class":"END"})");
 }
 
 TEST_F(ViewServerTest, ASlowPageLosesMessagesAndIsTold) {
@@ -331,7 +357,7 @@ TEST_F(ViewServerTest, ASlowPageLosesMessagesAndIsTold) {
   read(quick);
   const std::string large = R"({"class":"POSE","x":")" + std::string(20'000, 'x') + "\"}";
   for (int k = 0; k < 3000; ++k) {  // 60 MB, beyond what sockets hold
-    server->publish(ReportClass::kPose, "odom", large);
+    server->publish(ReportClass::kPose, large);
     ASSERT_EQ(read(quick), large);
   }
   bool told = false;
@@ -359,6 +385,7 @@ TEST_F(ViewServerTest, OnlyAReplayTakesACommandAndOnlyOne) {
   {
     const auto server = start([&](const ViewCommand& command) {
       const std::lock_guard lock(mutex);
+      if (command.kind == ViewCommand::Kind::kOpened) return;
       rates.push_back(command.rate);
     });
     Page page = open(*server);
@@ -379,7 +406,7 @@ TEST_F(ViewServerTest, OnlyAReplayTakesACommandAndOnlyOne) {
   const auto live = start();
   Page page = open(*live);
   page.write(asio::buffer(std::string("{\"rate\":0}")));
-  live->publish(ReportClass::kHealth, "", "{}");
+  live->publish(ReportClass::kHealth, "{}");
   read(page);
   EXPECT_EQ(read(page), "{}");
 }
@@ -413,7 +440,7 @@ TEST_F(ViewServerTest, ProfilesGoToThePagesThatAsk) {
   EXPECT_THAT(kinds, testing::Contains("image"));
   camera = {};
   // The other page gets sweeps and images, and nothing else before the next report.
-  server->publish(ReportClass::kSweep, "top", R"({"class":"SWEEP"})");
+  server->publish(ReportClass::kSweep, R"({"class":"SWEEP"})");
   std::string last;
   size_t frames = 0;
   for (; last.empty() || other.got_binary(); ++frames) {
