@@ -43,8 +43,11 @@ if(INFUSE_FUZZ)
   target_compile_options(infuse_flags INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
+# Libraries are position-independent: others link them into theirs (library.cmake), and Python loads them. A function of
+# the same file is inlined as if they were not.
+set(INFUSE_LIBRARY_OPTIONS $<$<CONFIG:Release>:-fPIC> $<$<CONFIG:Release>:-fno-semantic-interposition>)
 # What does not run for each measurement is optimised little: that takes two thirds of the time.
-set(INFUSE_COLD_OPTIONS $<$<CONFIG:Release>:-O1>)
+set(INFUSE_COLD_OPTIONS $<$<CONFIG:Release>:-O1> ${INFUSE_LIBRARY_OPTIONS})
 
 # Precompiled headers: every file parses the standard library and Eigen otherwise, which takes longer than the file
 # itself. One for what runs for each measurement, one for what does not, one for daemon/ with the libraries that it uses
@@ -62,12 +65,14 @@ function(infuse_precompiled name)
     ${ARGN})
 endfunction()
 infuse_precompiled(infuse_pch)
+target_compile_options(infuse_pch PRIVATE ${INFUSE_LIBRARY_OPTIONS})
 infuse_precompiled(infuse_cold_pch)
 target_compile_options(infuse_cold_pch PRIVATE ${INFUSE_COLD_OPTIONS})
 
 # The parts of Asio and Beast that are not templates, compiled once.
 add_library(infuse_network STATIC daemon/network_library.cpp)
-target_link_libraries(infuse_network PUBLIC infuse::flags Boost::headers Threads::Threads)
+target_link_libraries(infuse_network PUBLIC $<BUILD_INTERFACE:infuse::flags> $<BUILD_INTERFACE:Boost::headers>
+  Threads::Threads)
 target_compile_definitions(infuse_network PUBLIC BOOST_ASIO_SEPARATE_COMPILATION BOOST_BEAST_SEPARATE_COMPILATION)
 target_compile_options(infuse_network PRIVATE ${INFUSE_COLD_OPTIONS})
 
@@ -93,7 +98,7 @@ function(infuse_library folder)
   list(FILTER sources EXCLUDE REGEX "_test\\.cpp$")
   add_library(infuse_${name} STATIC ${sources})
   add_library(infuse::${name} ALIAS infuse_${name})
-  target_link_libraries(infuse_${name} PUBLIC infuse::flags ${ARG_UNPARSED_ARGUMENTS})
+  target_link_libraries(infuse_${name} PUBLIC $<BUILD_INTERFACE:infuse::flags> ${ARG_UNPARSED_ARGUMENTS})
   if(folder MATCHES "^daemon/")
     set(ARG_COLD TRUE)
     set(batch 20)
@@ -103,6 +108,7 @@ function(infuse_library folder)
     target_precompile_headers(infuse_${name} REUSE_FROM infuse_cold_pch)
   else()
     target_precompile_headers(infuse_${name} REUSE_FROM infuse_pch)
+    target_compile_options(infuse_${name} PRIVATE ${INFUSE_LIBRARY_OPTIONS})
   endif()
   if(ARG_COLD)
     target_compile_options(infuse_${name} PRIVATE ${INFUSE_COLD_OPTIONS})

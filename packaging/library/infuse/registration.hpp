@@ -1,0 +1,9 @@
+#pragma once
+
+/// @file
+/// Poses between point clouds, with and without a guess, and the odometry of a lidar.
+
+#include "fusion/registration/gicp.hpp"
+#include "fusion/registration/global_guess.hpp"
+#include "fusion/registration/lidar_trajectory.hpp"
+#include "infuse/layout.hpp"
