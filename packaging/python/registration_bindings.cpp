@@ -125,26 +125,26 @@ void bind_results(py::module_& module) {
       .def_readonly("converged", &Result::converged)
       .def_property_readonly("usable", &Result::usable)
       .def_property_readonly("reason", [](const Result& r) { return std::string(r.reason); });
-  using Odometry = reg::LidarOdometryResult;
-  py::class_<Odometry>(module, "OdometryResult",
-                       "Pose of the vehicle at the middle of a sweep, in the frame of the vehicle "
-                       "at the first one, and its motion since the sweep before.")
-      .def_property_readonly("stamp_ns", [](const Odometry& r) { return r.stamp.ns(); })
+  using Step = reg::LidarOdometryResult;
+  py::class_<Step>(module, "OdometryResult",
+                   "Pose of the vehicle at the middle of a sweep, in the frame of the vehicle "
+                   "at the first one, and its motion since the sweep before.")
+      .def_property_readonly("stamp_ns", [](const Step& r) { return r.stamp.ns(); })
       .def_property_readonly("T_map_vehicle",
-                             [](const Odometry& r) { return to_array(r.T_map_vehicle); })
+                             [](const Step& r) { return to_array(r.T_map_vehicle); })
       .def_property_readonly("T_from_to",
-                             [](const Odometry& r) { return to_array(r.motion.T_from_to); })
+                             [](const Step& r) { return to_array(r.motion.T_from_to); })
       .def_property_readonly(
           "information",
-          [](const Odometry& r) { return to_array(Eigen::MatrixXd(r.motion.information)); },
+          [](const Step& r) { return to_array(Eigen::MatrixXd(r.motion.information)); },
           "(6, 6), of T_from_to; none in directions that the geometry leaves free")
       .def_property_readonly(
-          "velocity", [](const Odometry& r) { return py::array_t<double>(6, r.velocity.data()); },
+          "velocity", [](const Step& r) { return py::array_t<double>(6, r.velocity.data()); },
           "(6,), rad/s and m/s, vehicle frame")
-      .def_readonly("registration", &Odometry::registration)
-      .def_readonly("overlap", &Odometry::overlap)
-      .def_property_readonly("usable", &Odometry::usable)
-      .def_property_readonly("reason", [](const Odometry& r) { return std::string(r.reason); });
+      .def_readonly("registration", &Step::registration)
+      .def_readonly("overlap", &Step::overlap)
+      .def_property_readonly("usable", &Step::usable)
+      .def_property_readonly("reason", [](const Step& r) { return std::string(r.reason); });
 }
 
 }  // namespace
