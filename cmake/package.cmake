@@ -17,8 +17,8 @@ install(FILES packaging/examples/shuttle.toml packaging/examples/survey_car.toml
   packaging/examples/rig.toml packaging/examples/upload systemd/tap.conf systemd/mqtt.conf systemd/lcm.conf
   DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/infused/examples)
 
-# Five packages: the daemon; the command `infuse`; its tools, whose libraries are many; the simulator; the library
-# (library.cmake). `./dev package` makes the last four of their components.
+# Six packages: the daemon; the command `infuse`; its tools, whose libraries are many; the simulator; the library
+# (library.cmake) and the Python module (python.cmake). `./dev package` makes the last five of their components.
 set(owner COMPONENT owner EXCLUDE_FROM_ALL)
 set(tools COMPONENT tools EXCLUDE_FROM_ALL)
 set(simulator COMPONENT simulator EXCLUDE_FROM_ALL)
@@ -78,6 +78,7 @@ install_package_texts(infused)
 install_package_texts(infuse ${owner})
 install_package_texts(infuse-tools ${tools})
 install_package_texts(libinfuse-dev COMPONENT library EXCLUDE_FROM_ALL)
+install_package_texts(python3-infuse COMPONENT python EXCLUDE_FROM_ALL)
 
 if(INFUSE_SIMULATOR)
   install(TARGETS infuse-simulate RUNTIME ${simulator})
