@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <span>
 
-#include "fusion/dependence/estimate.hpp"
 #include "fusion/dependence/count_entropy.hpp"
+#include "fusion/dependence/estimate.hpp"
 
 namespace infuse::dependence {
 

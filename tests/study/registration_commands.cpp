@@ -3,11 +3,11 @@
 #include <stdexcept>
 #include <string>
 
+#include "fusion/registration/visual/k_means.hpp"
 #include "tests/study/registration/alignment_table.hpp"
 #include "tests/study/registration/covariance_study.hpp"
 #include "tests/study/registration/global_guess_study.hpp"
 #include "tests/study/registration/information_study.hpp"
-#include "fusion/registration/visual/k_means.hpp"
 #include "tests/study/registration/learn_codebook.hpp"
 #include "tests/study/registration/recorded_scans.hpp"
 #include "tests/study/study_commands.hpp"

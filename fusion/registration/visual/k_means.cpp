@@ -34,7 +34,7 @@ Eigen::MatrixXf draw_seeds(const Eigen::MatrixXf& features, Eigen::Index words, 
 }  // namespace
 
 Codebook learn_codebook(const Eigen::MatrixXf& features, size_t words, uint64_t seed,
-                                      int iterations) {
+                        int iterations) {
   Codebook codebook;
   const auto k = std::min<Eigen::Index>(static_cast<Eigen::Index>(words), features.cols());
   codebook.words = draw_seeds(features, k, seed);

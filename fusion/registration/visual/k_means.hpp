@@ -8,6 +8,6 @@ namespace infuse::registration {
 /// with the frequencies of the features (one per column) nearest to each. The same seed and
 /// features give the same codebook.
 Codebook learn_codebook(const Eigen::MatrixXf& features, size_t words, uint64_t seed,
-                                      int iterations = 25);
+                        int iterations = 25);
 
 }  // namespace infuse::registration

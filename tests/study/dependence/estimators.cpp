@@ -5,9 +5,9 @@
 #include <numbers>
 
 #include "fusion/dependence/bagged_lsmi.hpp"
+#include "fusion/dependence/directed_information.hpp"
 #include "fusion/dependence/prepared_dependence.hpp"
 #include "fusion/dependence/prepared_histogram.hpp"
-#include "fusion/dependence/directed_information.hpp"
 #include "tests/study/dependence/distance_correlation.hpp"
 #include "tests/study/dependence/paired_density_ratio.hpp"
 

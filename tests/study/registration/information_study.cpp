@@ -14,8 +14,8 @@
 
 #include "fusion/registration/gicp.hpp"
 #include "fusion/registration/visual/information_alignment.hpp"
-#include "fusion/registration/visual/learned_codebook.hpp"
 #include "fusion/registration/visual/k_means.hpp"
+#include "fusion/registration/visual/learned_codebook.hpp"
 #include "tests/study/registration/learn_codebook.hpp"
 
 namespace infuse::study {
