@@ -132,8 +132,7 @@ Command declare_places(CLI::App& infuse) {
   app->add_option("-o,--output", arguments->output, "table of the answers to write")
       ->type_name("FILE.csv");
   app->add_flag("--json", arguments->json, "print summary and answers as one JSON object");
-  set_examples(*app, {"infuse places summer/ winter/ -o found.csv",
-                      "infuse places images_monday/ images_tuesday/ --length 9 --json",
+  set_examples(*app, {"infuse places summer/ winter/ --length 9 -o found.csv",
                       "infuse places summer/ winter/ --method total-mi --sequence none"});
   return {app, [=] { return run_places(*arguments); }};
 }

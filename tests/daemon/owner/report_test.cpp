@@ -34,7 +34,7 @@ TEST(ReportCommandTest, ACaptureIsReplayedAndItsPageHasTheSweep) {
   ASSERT_EQ(made.code, 0) << made.output;
   const auto text = text::read_text(page, size_t{64} << 20);
   ASSERT_TRUE(text);
-  EXPECT_THAT(*text, HasSubstr("\"sweep\":\"data:image/png;base64,"));
+  EXPECT_THAT(*text, HasSubstr("\"url\":\"data:image/png;base64,"));
   EXPECT_THAT(*text, HasSubstr("VLP-16"));
   EXPECT_FALSE(std::filesystem::exists(page + ".reports.jsonl"));
 }

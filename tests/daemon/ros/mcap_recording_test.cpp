@@ -15,6 +15,7 @@ MessageSetup one_lidar_setup(bool live) {
   MessageSetup setup{.live = live};
   setup.rig.lidars = {LidarMount{.name = "top"}};
   setup.packet_makers = {&velodyne::maker()};
+  setup.packet_metadata = {""};
   return setup;
 }
 

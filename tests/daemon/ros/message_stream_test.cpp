@@ -190,6 +190,7 @@ MessageSetup live_setup() {
   MessageSetup setup{.live = true};
   setup.rig.lidars = {LidarMount{.name = "top"}};
   setup.packet_makers = {&velodyne::maker()};
+  setup.packet_metadata = {""};
   return setup;
 }
 
