@@ -34,7 +34,8 @@ struct SentPacket {
 /// Writes a number, the high byte first.
 inline void put(std::vector<uint8_t>& bytes, size_t at, uint64_t value, size_t size) {
   for (size_t i = 0; i < size; ++i) {
-    bytes[at + i] = static_cast<uint8_t>(value >> (8 * (size - 1 - i)));
+    const size_t shift = 8 * (size - 1 - i);  // of 10 bytes the highest are 0
+    bytes[at + i] = shift < 64 ? static_cast<uint8_t>(value >> shift) : uint8_t{0};
   }
 }
 
