@@ -216,7 +216,7 @@ run = start('--rate', '0.25', '--reports', sought);
   };
   const target = begun + 0.6 * (ended - begun);
   await jump(target);
-  check('a seek runs on to its time and holds', await waitFor(async () => Math.abs(await shown() - target) < 3 * period) &&
+  check('a seek runs on to its time and holds', await waitFor(async () => Math.abs(await shown() - target) < 3 * period, 180000) &&
     (await sleep(1000), Math.abs(await shown() - target) < 3 * period), `${(await shown() - begun).toFixed(2)} s of ${(target - begun).toFixed(2)} s`);
   await jump(seen[2]);
   check('a seek back shows what was there', await shown() === seen[2] && /looking back/.test(await text(view, '#cursor')));
@@ -228,7 +228,7 @@ run = start('--rate', '0.25', '--reports', sought);
   if (alerts.length > 0) {
     await view.evaluate('player.follow()');
     await view.click('#next');
-    check('the next alert is found', await waitFor(async () => await view.evaluate('player.cursor !== null && !player.seekingAlert'), 60000) &&
+    check('the next alert is found', await waitFor(async () => await view.evaluate('player.cursor !== null && !player.seekingAlert'), 180000) &&
       Math.abs(await view.evaluate('player.cursor') - alerts[0]) < 0.001, `${(alerts[0] - begun).toFixed(1)} s`);
     await view.screenshot({path: path.join(out, 'alert.png')});
     check('and shown', (await text(view, '#alerts')).length > 0, await text(view, '#alerts p'));
