@@ -22,7 +22,7 @@ struct LidarOptions {
   std::string address;            ///< local IPv4 address; empty: any
   std::string multicast;          ///< multicast group; empty: none
   std::string interface;          ///< interface that joins the group; empty: chosen by the kernel
-  bool tap = false;               ///< receive what the interface sees, to whomever it is sent
+  bool tap = false;               ///< receive all that the interface sees, whatever its address
   size_t receive_buffer = lidar::UdpOptions{}.receive_buffer;  ///< bytes
   std::string calibration;       ///< calibration file of this unit; empty: the model's table
   double cut_azimuth_deg = 180;  ///< azimuth at which a sweep ends, clockwise from the front

@@ -19,7 +19,7 @@ struct UdpOptions {
   uint16_t port = 2368;   ///< 0 selects a free one
   std::string multicast;  ///< IPv4 group to join; empty: none
   std::string interface;  ///< interface on which the group is joined; empty: the kernel chooses
-  bool tap = false;       ///< receive what `interface` sees, whomever it is addressed to
+  bool tap = false;       ///< receive all that `interface` sees, whatever its address
   /// Bytes; 100 ms of a VLS-128 with two returns are 1810 datagrams of 2304 bytes in the kernel.
   size_t receive_buffer = size_t{8} << 20;
   /// IPv4 addresses, host byte order, whose datagrams the kernel passes on, of others one in 256,

@@ -11,7 +11,7 @@
 
 namespace infuse::lidar {
 
-/// Opens a socket that sees every IPv4 packet of an interface, whomever it is addressed to
+/// Opens a socket that sees every IPv4 packet of an interface, whatever its address
 /// (AF_PACKET, promiscuous); the kernel passes on only UDP datagrams to `port` that are not
 /// fragmented, and of `senders` if there are any (`PacketFilter`). Errors: no such interface, no
 /// permission (CAP_NET_RAW).

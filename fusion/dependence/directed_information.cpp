@@ -74,6 +74,19 @@ struct Term {
   }
 };
 
+/// Appends a label of y to the words of y and to those of y and x, and measures what that adds.
+template <class LabelOf>
+Term append_label(Words& y, Words& xy, LabelOf label_y, CountEntropyOptions::Estimator estimator) {
+  Term term;
+  term.y_before = y.entropy(estimator);
+  term.xy_before = xy.entropy(estimator);
+  y.append(label_y);
+  xy.append(label_y);
+  term.y_after = y.entropy(estimator);
+  term.xy_after = xy.entropy(estimator);
+  return term;
+}
+
 }  // namespace
 
 Estimate directed_information(std::span<const int32_t> x, std::span<const int32_t> y, int length,
@@ -92,14 +105,8 @@ Estimate directed_information(std::span<const int32_t> x, std::span<const int32_
   for (size_t step = 0; step < steps; ++step) {
     const auto label_x = [&](size_t i) { return x[i * steps + step]; };
     const auto label_y = [&](size_t i) { return y[i * steps + step]; };
-    Term term;
     if (!delayed) past_xy.append(label_x);
-    term.y_before = past_y.entropy(estimator);
-    term.xy_before = past_xy.entropy(estimator);
-    past_y.append(label_y);
-    past_xy.append(label_y);
-    term.y_after = past_y.entropy(estimator);
-    term.xy_after = past_xy.entropy(estimator);
+    const Term term = append_label(past_y, past_xy, label_y, estimator);
     if (delayed) past_xy.append(label_x);
     if (*term.reason()) return {0, term.reason()};
     sum += term.value();
@@ -129,13 +136,7 @@ Estimate directed_information_rate(std::span<const int32_t> x, std::span<const i
   const auto now_x = [&](size_t i) { return x[i + m]; };
   const auto now_y = [&](size_t i) { return y[i + m]; };
   if (!delayed) words_xy.append(now_x);
-  Term term;
-  term.y_before = words_y.entropy(estimator);
-  term.xy_before = words_xy.entropy(estimator);
-  words_y.append(now_y);
-  words_xy.append(now_y);
-  term.y_after = words_y.entropy(estimator);
-  term.xy_after = words_xy.entropy(estimator);
+  const Term term = append_label(words_y, words_xy, now_y, estimator);
   if (*term.reason()) return {0, term.reason()};
   return {term.value(), ""};
 }

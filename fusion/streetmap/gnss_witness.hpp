@@ -56,8 +56,8 @@ class GnssWitness {
   double log_likelihood(const Eigen::Vector2d& position) const;
 
   /// The same of a position that may be anywhere in `area`, m²: a receiver that is wrong altogether
-  /// is there by chance, so that a fix counts the more, the larger that is. `anew`: nothing was
-  /// said to whom it is said, and all of it is new evidence.
+  /// is there by chance, so that a fix counts the more, the larger that is. `anew`: the
+  /// position has not been weighted by any fix yet, so that all of this one is new evidence.
   double log_likelihood_in(double area, const Eigen::Vector2d& position, bool anew) const;
 
   /// Log-odds of a position against that of the estimate, by the offset of the fixes of the last

@@ -146,8 +146,6 @@ Result<Comparison> compare_words(const ComparisonRequest& request, SimilarityTab
 /// Total mutual information of the places that look most alike, 0 of the others (P 5.3).
 SimilarityTable compare_information(const Comparison& comparison, const LidarPlaces& places,
                                     const LidarPlaces& queries, bool grey) {
-  std::vector<places::MapScan> map;
-  for (const places::ScanWords& words : places.words) map.emplace_back(words);
   SimilarityTable table = fill_table(comparison, [](size_t, size_t) { return 0; });
   ProgressLine line;
   for (size_t i = 0; i < table.queries; ++i) {
@@ -160,8 +158,9 @@ SimilarityTable compare_information(const Comparison& comparison, const LidarPla
         [](const auto& a, const auto& b) { return a.first.correlation > b.first.correlation; });
     for (size_t k = 0; k < aligned; ++k) {
       const auto& [shape, j] = alike[k];
-      const auto rough = places::search_by_information(map[j], queries.words[i], shape.yaw, grey);
-      const auto best = places::refine_by_information(map[j], queries.words[i], rough, grey);
+      const places::MapScan place(places.words[j]);  // a third of a megabyte: not kept of all
+      const auto rough = places::search_by_information(place, queries.words[i], shape.yaw, grey);
+      const auto best = places::refine_by_information(place, queries.words[i], rough, grey);
       table.at(i, j) = static_cast<float>(best.information.total(grey));
     }
     line.show(static_cast<double>(i + 1) / static_cast<double>(table.queries), "information");
