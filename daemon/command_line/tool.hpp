@@ -23,7 +23,7 @@ inline constexpr std::array<Tool, 8> kTools = {{
     {"fleet", "pool the calibrations of many drives and vehicles, and find drift"},
     {"import", "convert a recording in another format to a drive"},
     {"map", "make a map of a drive; optimise pose graphs"},
-    {"places", "find the images of a drive among those of another, by sequences"},
+    {"places", "find the images or sweeps of a drive among those of another"},
 }};
 
 /// The tool of `kTools` with this name; null if there is none.
