@@ -58,8 +58,8 @@ std::optional<TailPlace> find_tail(const ModelInfo& info, size_t size) {
 std::optional<int64_t> read_second(const uint8_t* date) {
   using namespace std::chrono;
   if (date[0] == 0 && date[1] == 0) {
-    return duration_cast<nanoseconds>(seconds(static_cast<uint32_t>(date[2]) << 24 | date[3] << 16 |
-                                              date[4] << 8 | date[5]))
+    return duration_cast<nanoseconds>(
+               seconds(int64_t{date[2]} << 24 | date[3] << 16 | date[4] << 8 | date[5]))
         .count();
   }
   const year_month_day day(year(date[0] + (date[0] < 100 ? 2000 : 1900)), month(date[1]),

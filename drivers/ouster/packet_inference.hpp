@@ -35,7 +35,6 @@ class PacketInference final : public lidar::ModelInference {
   uint64_t serial_number_ = 0;  ///< of the latest packet that states one
   uint64_t other_serial_numbers_ = 0;
   bool started_ = false;
-  int64_t begin_ns_ = 0;  ///< device time of the first packet
   int64_t last_ns_ = 0;
   uint32_t last_frame_ = 0;
   uint64_t backwards_ = 0;  ///< packets before their predecessor
