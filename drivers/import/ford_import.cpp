@@ -267,8 +267,8 @@ class FordImport {
            folder_ / "SCANS");
     }
     std::ranges::stable_sort(poses, {}, &FordPose::stamp);
-    const auto doubled = std::ranges::unique(poses, {}, &FordPose::stamp);
-    poses.erase(doubled.begin(), doubled.end());
+    const auto same_time = [](const FordPose& a, const FordPose& b) { return a.stamp == b.stamp; };
+    poses.erase(std::unique(poses.begin(), poses.end(), same_time), poses.end());
     if (poses.empty()) return {};
     std::vector<recording::TrajectoryPose> truth;
     for (const FordPose& pose : poses)

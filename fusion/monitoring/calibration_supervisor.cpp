@@ -190,7 +190,7 @@ void CalibrationSupervisor::use_result_if_due(const MonitorReport& report,
 
 /// Follows what the image says of the calibration in use.
 void CalibrationSupervisor::observe(const MonitorReport& report, SupervisorActions& actions) {
-  constexpr double kNegligibleEvidence = 1;  // nats: odds of e
+  constexpr double kHoldsBelow = 1;  // nats: odds of e
   const DriftVerdict& verdict = report.verdict;
   if (verdict.fault != CameraFault::kNone) {
     std::string what = std::string("the camera has a fault: ") + name_of(verdict.fault);
@@ -204,9 +204,9 @@ void CalibrationSupervisor::observe(const MonitorReport& report, SupervisorActio
     case Drift::kLearning:
       return apply(CalibrationEvent::kLearning, report.stamp, {}, actions);
     case Drift::kHolds:
-      return apply(verdict.evidence < kNegligibleEvidence ? CalibrationEvent::kHolds
-                                                          : CalibrationEvent::kDoubted,
-                   report.stamp, {}, actions);
+      return apply(
+          verdict.evidence < kHoldsBelow ? CalibrationEvent::kHolds : CalibrationEvent::kDoubted,
+          report.stamp, {}, actions);
     case Drift::kSuspected:
       return apply(CalibrationEvent::kSuspected, report.stamp, {}, actions);
     case Drift::kConfirmed:
