@@ -3,6 +3,7 @@
 #include "daemon/pipeline/pairing.hpp"
 #include "drivers/camera/colour.hpp"
 #include "fusion/geometry/project_points.hpp"
+#include "fusion/geometry/rolling_shutter.hpp"
 
 namespace infuse::daemon {
 CameraChannel::CameraChannel(const CameraMount& mount, LidarIndex lidar,
@@ -22,6 +23,7 @@ ImageMatch CameraChannel::project(const CameraImage& image, const Sweep& sweep,
   match.reason = mismatch(image, sweep);
   if (!match.usable()) return match;
   deskewer_.deskew(sweep, trajectory, image.stamp, deskewed_);
+  move_to_rows(image.stamp, trajectory);
   match.points_in_view = count_points_in_view(deskewed_);
   return match;
 }
@@ -50,14 +52,32 @@ const CalibrationReport* CameraChannel::monitor(const ImageMatch& match,
                          motion_at(match.image.stamp, trajectory));
 }
 
-// Motion of the camera at the exposure: the vehicle's mean twist over the last 50 ms, in the camera
-// frame. Zero where it is not known: the image is then not evaluated.
-monitoring::Motion CameraChannel::motion_at(Stamp exposure,
-                                            const geometry::Trajectory& trajectory) const {
+// Mean twist of the vehicle over the last 50 ms, in its own frame, as far as it is known.
+std::optional<geometry::Vector6> CameraChannel::twist_before(
+    Stamp exposure, const geometry::Trajectory& trajectory) {
   constexpr Duration kSpan{50'000'000};
   const geometry::MotionBetween moved = trajectory.between(exposure - kSpan, exposure);
-  if (!moved.usable()) return {};
-  const geometry::Vector6 twist = geometry::log(moved.T_from_to) / to_seconds(kSpan);
+  if (!moved.usable()) return std::nullopt;
+  return geometry::log(moved.T_from_to) / to_seconds(kSpan);
+}
+
+void CameraChannel::move_to_rows(Stamp exposure, const geometry::Trajectory& trajectory) {
+  if (mount_.readout == Duration::zero() || !deskewed_.usable()) return;
+  const auto twist = twist_before(exposure, trajectory);
+  if (!twist) return;
+  for (auto* pixels : {&u_, &v_, &depth_}) pixels->resize(deskewed_.x.size());
+  geometry::RollingShutter{model_, mount_.readout,
+                           geometry::adjoint(T_vehicle_lidar_.inverse()) * *twist}
+      .move(T_camera_lidar(), deskewed_.x, deskewed_.y, deskewed_.z, {u_, v_, depth_});
+}
+
+// Motion of the camera at the exposure, in its own frame. Zero where it is not known: the image is
+// then not evaluated.
+monitoring::Motion CameraChannel::motion_at(Stamp exposure,
+                                            const geometry::Trajectory& trajectory) const {
+  const auto known = twist_before(exposure, trajectory);
+  if (!known) return {};
+  const geometry::Vector6& twist = *known;
   const Eigen::Isometry3d T_camera_vehicle = T_camera_lidar() * T_vehicle_lidar_.inverse();
   const Eigen::Vector3d camera = T_camera_vehicle.inverse().translation();
   return {T_camera_vehicle.linear() * twist.head<3>(),

@@ -22,7 +22,8 @@ class CameraChannel {
                 const Eigen::Isometry3d& T_vehicle_lidar, const CalibrationSettings& calibration,
                 bool blocking);
 
-  /// Deskews the sweep as of the exposure and projects it into the image, which is readable. The
+  /// Deskews the sweep as of the exposure, of each row if the shutter is rolling, and projects it
+  /// into the image, which is readable. The
   /// result is valid until the next call.
   ImageMatch project(const CameraImage& image, const Sweep& sweep,
                      const geometry::Trajectory& trajectory);
@@ -51,6 +52,9 @@ class CameraChannel {
   }
   const char* mismatch(const CameraImage& image, const Sweep& sweep) const;
   uint32_t count_points_in_view(const motion::DeskewedSweep& deskewed);
+  static std::optional<geometry::Vector6> twist_before(Stamp exposure,
+                                                       const geometry::Trajectory& trajectory);
+  void move_to_rows(Stamp exposure, const geometry::Trajectory& trajectory);
   monitoring::Motion motion_at(Stamp exposure, const geometry::Trajectory& trajectory) const;
 
   CameraMount mount_;

@@ -12,6 +12,7 @@
 #include "daemon/setup/drive_setup.hpp"
 #include "drivers/recording/drive_toml.hpp"
 #include "drivers/recording/times_csv.hpp"
+#include "fusion/geometry/rolling_shutter.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -111,6 +112,17 @@ Result<void> pair_sweeps(OpenDrive& drive, const std::vector<recording::Sequence
   return consumed;
 }
 
+/// Moves the returns to the exposures of their rows, if the shutter is rolling. By the rig's
+/// extrinsics: those that are sought differ by a few rows.
+void move_to_rows(const CameraMount& mount, PairedSweep& pair) {
+  if (mount.readout == Duration::zero() || !pair.twist || !pair.deskew_reason.empty()) return;
+  Sweep& sweep = pair.sweep;
+  std::vector<float> u(sweep.size()), v(sweep.size()), depth(sweep.size());
+  const geometry::CameraModel camera(mount.intrinsics);
+  geometry::RollingShutter{camera, mount.readout, *pair.twist}.move(
+      mount.T_camera_lidar, sweep.x, sweep.y, sweep.z, {u, v, depth});
+}
+
 /// Adds a drive's pairs of one camera; notes what is left out.
 Result<void> add_pairs(OpenDrive& drive, size_t camera, size_t count, const SceneRequest& request,
                        const std::function<void(double)>& progress, const PairConsumer& consume,
@@ -135,6 +147,7 @@ Result<void> add_pairs(OpenDrive& drive, size_t camera, size_t count, const Scen
                   images[k].path.string(), "intrinsics are valid for one image size only");
     }
     if (!sweep.deskew_reason.empty()) ++not_deskewed[sweep.deskew_reason];
+    move_to_rows(mount, sweep);
     ScenePair pair{.name = fmt::format("{}/{:06}", label, images[k].number),
                    .camera = camera,
                    .stamp = images[k].stamp,

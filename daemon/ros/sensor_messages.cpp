@@ -52,6 +52,8 @@ std::map<std::string, std::string> SensorMessages::metadata() const {
   for (size_t k = 0; k < rig_.cameras.size(); ++k) {
     pairs["stamp_delay_sigma_ns " + camera_topics_[k].image] =
         std::to_string(rig_.cameras[k].stamp_delay_sigma.count());
+    pairs["readout_ns " + camera_topics_[k].image] =
+        std::to_string(rig_.cameras[k].readout.count());
   }
   if (setup_.gnss_lidar) pairs["gnss_lidar"] = rig_.lidars[*setup_.gnss_lidar].name;
   return pairs;

@@ -166,6 +166,8 @@ class BagImport {
     relate_to_lidar(camera, mount, summary_);
     const auto sigma = text::parse_integer(metadata("stamp_delay_sigma_ns " + camera.topic));
     mount.stamp_delay_sigma = Duration(sigma.value_or(0));
+    mount.readout =
+        Duration(text::parse_integer(metadata("readout_ns " + camera.topic)).value_or(0));
     description_.rig.cameras.push_back(mount);
     auto& files = description_.cameras.emplace_back();
     files.images = "images_" + camera.name;

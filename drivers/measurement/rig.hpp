@@ -35,6 +35,9 @@ struct CameraMount {
   Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();
   Duration stamp_delay{0};        ///< stamp minus middle of the exposure; subtracted on reading
   Duration stamp_delay_sigma{0};  ///< standard deviation of the exposure's time
+  /// From the exposure of the top row to that of the bottom row; "the exposure" is that of the
+  /// middle row. 0: a global shutter. Negative: the bottom row is the first.
+  Duration readout{0};
 };
 
 /// Mounting of a lidar.

@@ -117,6 +117,7 @@ void add_mount(std::string& text, const CameraMount& mount) {
   };
   add_ms("stamp_delay_ms", mount.stamp_delay);
   add_ms("stamp_delay_sigma_ms", mount.stamp_delay_sigma);
+  add_ms("readout_ms", mount.readout);
 }
 
 void add_files(std::string& text, const CameraFiles& files) {

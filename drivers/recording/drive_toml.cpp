@@ -17,6 +17,7 @@ namespace infuse::recording {
 namespace {
 
 constexpr size_t kMaxSensors = 64;
+constexpr double kMaxReadoutMs = 200;  // the slowest sensors read five images a second
 
 template <class Value, size_t size>
 void read_enum(TomlTable& table, std::string_view key,
@@ -115,6 +116,11 @@ void read_mount(TomlTable& table, CameraMount& mount) {
   if (!(sigma_ms >= 0 && sigma_ms <= 10'000))
     table.report_error("stamp_delay_sigma_ms", "stamp_delay_sigma_ms must be 0 ... 10000");
   mount.stamp_delay_sigma = from_seconds(sigma_ms * 1e-3);
+  double readout_ms = 0;
+  table.read("readout_ms", readout_ms);
+  if (!(readout_ms >= -kMaxReadoutMs && readout_ms <= kMaxReadoutMs))
+    table.report_error("readout_ms", "readout_ms must be between -200 and 200");
+  mount.readout = from_seconds(readout_ms * 1e-3);
 }
 
 void read_files(TomlTable& table, CameraFiles& files) {

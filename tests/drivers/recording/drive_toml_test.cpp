@@ -48,6 +48,7 @@ distortion = [0.1, -0.02, 3e-3, 0]
 lidar = "top"
 T_camera_lidar = [0, -1, 0, 0.06,  0, 0, -1, 0,  1, 0, 0, -0.27,  0, 0, 0, 1]
 stamp_delay_ms = 12.5
+readout_ms = 20
 mosaic = "gbrg"
 grey = true
 
@@ -105,6 +106,7 @@ TEST(DriveToml, ReadsEveryKey) {
   EXPECT_EQ(camera.intrinsics.distortion, (std::array<double, 5>{0.1, -0.02, 3e-3, 0, 0}));
   EXPECT_EQ(camera.lidar, "top");
   EXPECT_EQ(camera.stamp_delay, Duration(12'500'000));
+  EXPECT_EQ(camera.readout, Duration(20'000'000));
   EXPECT_EQ(drive->cameras[0].mosaic, PixelFormat::kBayerGbrg8);
   EXPECT_TRUE(drive->cameras[0].grey);
 
@@ -159,6 +161,7 @@ void expect_equal(const DriveDescription& a, const DriveDescription& b) {
     EXPECT_EQ(x.intrinsics.distortion, y.intrinsics.distortion);
     EXPECT_EQ(x.T_camera_lidar.matrix(), y.T_camera_lidar.matrix());
     EXPECT_EQ(x.stamp_delay, y.stamp_delay);
+    EXPECT_EQ(x.readout, y.readout);
     EXPECT_EQ(a.cameras[i].images, b.cameras[i].images);
     EXPECT_EQ(a.cameras[i].mosaic, b.cameras[i].mosaic);
     EXPECT_EQ(a.cameras[i].grey, b.cameras[i].grey);
@@ -245,6 +248,8 @@ TEST(DriveToml, ErrorsStateTheLineAndTheRemedy) {
               HasSubstr("drive.toml:23: camera 'left' refers to lidar 'tip'"));
   EXPECT_THAT(parse_message(replace_in_drive("3e-3, 0]", "3e-3, 0, 0]")),
               HasSubstr("distortion must be a list of at most 4 numbers"));
+  EXPECT_THAT(parse_message(replace_in_drive("readout_ms = 20", "readout_ms = 900")),
+              HasSubstr("readout_ms must be between -200 and 200"));
   EXPECT_THAT(parse_message(replace_in_drive("12.5", "1e99")),
               HasSubstr("stamp_delay_ms must lie within"));
   EXPECT_THAT(parse_message(replace_in_drive("yaw_rate =", "yaw_rat =")),

@@ -107,6 +107,7 @@ void expect_same_rig(const Rig& a, const Rig& b) {
     EXPECT_EQ(left.intrinsics.cy, right.intrinsics.cy);
     EXPECT_EQ(left.intrinsics.distortion, right.intrinsics.distortion);
     EXPECT_EQ(left.stamp_delay_sigma, right.stamp_delay_sigma);
+    EXPECT_EQ(left.readout, right.readout);
     EXPECT_TRUE(left.T_camera_lidar.isApprox(right.T_camera_lidar, 1e-14));
   }
 }
@@ -202,6 +203,7 @@ void write_drive(const fs::path& drive) {
   camera.intrinsics = {.width = 4, .height = 2, .fx = 3, .fy = 3.5, .cx = 1.25, .cy = 0.75};
   camera.intrinsics.distortion = {0.1, -0.2, 0.003, 0.004, 0.5};
   camera.stamp_delay_sigma = Duration(3'000'000);
+  camera.readout = Duration(-18'000'000);
   description.rig.cameras = {camera};
   description.cameras = {{.images = "left"}};
   description.speed = "speed.csv";
