@@ -1,5 +1,6 @@
 #include "packaging/python/arrays.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 
 #include "drivers/recording/rigid_matrix.hpp"
@@ -130,6 +131,36 @@ Eigen::MatrixXd to_matrix(const py::handle& argument, const char* name) {
   return Eigen::Map<const Eigen::Matrix<double, -1, -1, Eigen::RowMajor>>(rows.data(),
                                                                           rows.shape(0), columns);
 }
+
+template <int n>
+Eigen::Matrix<double, n, 1> to_fixed(const py::handle& argument, const char* name) {
+  const std::vector<double> values = to_vector<double>(argument, name);
+  if (values.size() != n) {
+    throw py::value_error(std::string(name) + ": " + std::to_string(values.size()) +
+                          " numbers, not " + std::to_string(n));
+  }
+  return Eigen::Map<const Eigen::Matrix<double, n, 1>>(values.data());
+}
+template Eigen::Matrix<double, 2, 1> to_fixed<2>(const py::handle&, const char*);
+template Eigen::Matrix<double, 3, 1> to_fixed<3>(const py::handle&, const char*);
+template Eigen::Matrix<double, 6, 1> to_fixed<6>(const py::handle&, const char*);
+
+template <int n>
+Eigen::Matrix<double, n, n> to_covariance(const py::handle& argument, const char* name) {
+  const Eigen::MatrixXd matrix = to_matrix(argument, name);
+  if (matrix.rows() != n || matrix.cols() != n) {
+    throw py::value_error(std::string(name) + ": not " + std::to_string(n) + " by " +
+                          std::to_string(n));
+  }
+  const double rounding = 1e-9 * matrix.norm();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solved(matrix, Eigen::EigenvaluesOnly);
+  if (!((matrix - matrix.transpose()).norm() <= rounding) ||
+      !(solved.eigenvalues().minCoeff() >= -rounding)) {
+    throw py::value_error(std::string(name) + ": no covariance");
+  }
+  return matrix;
+}
+template Eigen::Matrix<double, 3, 3> to_covariance<3>(const py::handle&, const char*);
 
 py::array_t<double> to_array(const Eigen::MatrixXd& matrix) {
   py::array_t<double> array({matrix.rows(), matrix.cols()});

@@ -28,6 +28,35 @@ std::shared_ptr<ScenePairs> read_pairs(const std::vector<std::string>& drives,
       [](double) {})));
 }
 
+void each_pair(const std::string& drive, const py::function& on_pair, const std::string& camera,
+               const std::string& lidar) {
+  daemon::SceneRequest request{.drives = {drive}, .cameras = {camera}, .lidar = lidar};
+  request.max_scenes = std::numeric_limits<int>::max();
+  std::optional<py::error_already_set> raised;
+  const auto consume = [&](ScenePairs&, daemon::ScenePair& pair) -> Result<void> {
+    const py::gil_scoped_acquire acquire;
+    try {
+      py::object twist = py::none();
+      if (pair.twist) twist = py::array_t<double>(6, pair.twist->data());
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      on_pair(py::cast(std::move(pair.frame)), py::cast(std::move(pair.sweep)), twist);
+    } catch (py::error_already_set& error) {
+      raised.emplace(std::move(error));
+      return fail("stopped");
+    }
+    pair.release();
+    return {};
+  };
+  Result<ScenePairs> read;
+  {
+    const py::gil_scoped_release release;
+    read = daemon::read_scene_pairs(
+        request, [](double) {}, consume);
+  }
+  if (raised) throw std::move(*raised);
+  value_or_raise(std::move(read));
+}
+
 std::shared_ptr<ScenePairs> make_pairs(const std::vector<const Sweep*>& sweeps,
                                        const std::vector<const CameraFrame*>& images,
                                        const CameraIntrinsics& intrinsics) {
@@ -282,6 +311,12 @@ void bind_calibration(py::module_& parent) {
              py::arg("max_scenes") = 20,
              "Reads Pairs of drives of one rig, as `infuse calibrate` does. cameras: names, the "
              "reference camera first; empty: the only one. Error: what cannot be read.");
+  module.def(
+      "each_pair", &each_pair, py::arg("drive"), py::arg("on_pair"), py::kw_only(),
+      py::arg("camera") = "", py::arg("lidar") = "",
+      "Calls on_pair(image, sweep, twist) for each image of a camera, in order of time, with "
+      "the sweep nearest to it, deskewed to its exposure. twist: (6,), rad/s and m/s, of the "
+      "lidar in its own frame; None: not known. What on_pair raises ends it.");
   module.def("make_pairs", &make_pairs, py::arg("sweeps"), py::arg("images"), py::arg("intrinsics"),
              "Pairs of your own: as many Sweeps, deskewed to the exposures and with ring and "
              "column, as Images of one camera.");
