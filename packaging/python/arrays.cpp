@@ -121,6 +121,18 @@ Eigen::Isometry3d to_pose(const py::handle& argument, const char* name) {
   return *pose;
 }
 
+std::vector<Eigen::Isometry3d> to_poses(const py::handle& argument) {
+  const py::array given = numbers(argument, "poses");
+  if (given.ndim() != 3 || given.shape(1) != 4 || given.shape(2) != 4) {
+    throw py::value_error("poses: the shape is not (N, 4, 4)");
+  }
+  std::vector<Eigen::Isometry3d> out;
+  for (py::ssize_t k = 0; k < given.shape(0); ++k) {
+    out.push_back(to_pose(given[py::int_(k)], "poses"));
+  }
+  return out;
+}
+
 Eigen::MatrixXd to_matrix(const py::handle& argument, const char* name) {
   const py::array given = numbers(argument, name);
   if (given.ndim() != 1 && given.ndim() != 2) wrong_shape(name, "(N,) or (N, d)", given);

@@ -89,6 +89,9 @@ class Points {
 /// 4 × 4 rigid motion; None is the identity. ValueError: another shape, not rigid.
 Eigen::Isometry3d to_pose(const py::handle& argument, const char* name);
 
+/// N × 4 × 4 rigid motions, the argument `poses`.
+std::vector<Eigen::Isometry3d> to_poses(const py::handle& argument);
+
 /// N × d matrix of finite numbers, a row for each sample; a vector is one column.
 Eigen::MatrixXd to_matrix(const py::handle& argument, const char* name);
 

@@ -13,18 +13,6 @@ namespace {
 
 using geometry::Trajectory;
 
-std::vector<Eigen::Isometry3d> to_poses(const py::object& poses) {
-  const py::array given = numbers(poses, "poses");
-  if (given.ndim() != 3 || given.shape(1) != 4 || given.shape(2) != 4) {
-    throw py::value_error("poses: the shape is not (N, 4, 4)");
-  }
-  std::vector<Eigen::Isometry3d> out;
-  for (py::ssize_t k = 0; k < given.shape(0); ++k) {
-    out.push_back(to_pose(given[py::int_(k)], "poses"));
-  }
-  return out;
-}
-
 std::vector<recording::TrajectoryPose> to_lines(const py::object& stamps_ns,
                                                 const py::object& poses) {
   const auto stamps = to_vector<int64_t>(stamps_ns, "stamps_ns");

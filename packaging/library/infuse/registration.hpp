@@ -3,6 +3,7 @@
 /// @file
 /// Poses between point clouds, with and without a guess, and the odometry of a lidar.
 
+#include "fusion/registration/align_points.hpp"
 #include "fusion/registration/gicp.hpp"
 #include "fusion/registration/global_guess.hpp"
 #include "fusion/registration/lidar_trajectory.hpp"

@@ -1,4 +1,4 @@
-from typing import Any, Callable, Optional, Sequence, Tuple
+from typing import Any, Callable, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -67,7 +67,9 @@ def make_pairs(sweeps: Sequence[Sweep], images: Sequence[Image], intrinsics: Int
 def calibrate(pairs: Pairs, initial: Optional[ArrayLike] = None, *, measure: str = "joint", within_deg: float = 3.5,
               seed: int = 1, splits: int = 4, check_intrinsics: bool = True) -> CalibrationResult: ...
 def compare(pairs: Pairs, T_old: ArrayLike, T_new: ArrayLike) -> Comparison: ...
-def evaluate(pairs: Pairs, poses: ArrayLike, *, measure: str = "joint", sigma: float = 2,
-             max_points: int = 60000) -> list[float]: ...
+Measure = Callable[[NDArray[np.float32], NDArray[np.float32]], float]
+
+def evaluate(pairs: Pairs, poses: ArrayLike, *, measure: Union[str, Measure] = "joint", features: str = "mi",
+             sigma: float = 2, max_points: int = 60000) -> list[float]: ...
 def project(points: Points, intrinsics: Intrinsics,
             T_camera_lidar: ArrayLike) -> Tuple[NDArray[np.float32], NDArray[np.float32]]: ...
