@@ -1,6 +1,6 @@
 // A registration factor and a measure of dependence of your own, for your_own.py:
-//   g++ -std=c++20 -O2 -shared -fPIC your_own.cpp -o your_own.so $(pkg-config --cflags --libs
-//   infuse)
+//   g++ -std=c++20 -O2 -Wno-psabi -shared -fPIC your_own.cpp -o your_own.so $(pkg-config --cflags
+//   --libs infuse)
 
 #include <algorithm>
 #include <array>

@@ -17,7 +17,7 @@ drive = sys.argv[1] if len(sys.argv) > 1 else "drive"
 here = os.path.dirname(os.path.abspath(__file__))
 folder = tempfile.mkdtemp()
 flags = subprocess.run(["pkg-config", "--cflags", "--libs", "infuse"], check=True, capture_output=True, text=True).stdout
-subprocess.run(["g++", "-std=c++20", "-O2", "-shared", "-fPIC", f"{here}/your_own.cpp", "-o", f"{folder}/your_own.so",
+subprocess.run(["g++", "-std=c++20", "-O2", "-Wno-psabi", "-shared", "-fPIC", f"{here}/your_own.cpp", "-o", f"{folder}/your_own.so",
                 *flags.split()], check=True)
 own = ctypes.CDLL(f"{folder}/your_own.so")
 floats = np.ctypeslib.ndpointer(np.float32, flags="C_CONTIGUOUS")

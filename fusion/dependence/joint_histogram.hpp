@@ -28,7 +28,7 @@ enum class Window {
 
 /// Settings of a joint histogram.
 struct JointHistogramOptions {
-  Axis x, y;  ///< their bins
+  Axis x, y;                         ///< their bins
   Window window = Window::kBSpline;  ///< of the density
 
   /// Returns what is wrong with the settings, or nothing.
@@ -45,10 +45,10 @@ inline constexpr const char* kFewerSamplesThanBins = "fewer samples than bins";
 /// Joint histogram of two variables.
 struct JointHistogram {
   int bins_x = 0, bins_y = 0;  ///< number of bins
-  std::vector<double> mass;  ///< bins_x rows of bins_y, not normalised
-  double total = 0;          ///< sum of `mass`
-  double samples = 0;        ///< number of samples counted
-  const char* reason = "";   ///< static text: why it is unusable; empty if usable
+  std::vector<double> mass;    ///< bins_x rows of bins_y, not normalised
+  double total = 0;            ///< sum of `mass`
+  double samples = 0;          ///< number of samples counted
+  const char* reason = "";     ///< static text: why it is unusable; empty if usable
 
   bool usable() const { return *reason == '\0'; }  ///< it may be used
   /// Mass of a cell.

@@ -1,6 +1,6 @@
-"""infuse.plot: pictures of results, by Matplotlib (python3-matplotlib, which is needed only when they are drawn).
+"""infuse.plot: figures of results, by Matplotlib (python3-matplotlib, which is needed only when they are drawn).
 
-Each function draws into `axes`, or into new ones, and returns them: axes.figure.savefig("picture.png").
+Each function draws into `axes`, or into new ones, and returns them: axes.figure.savefig("figure.png").
 """
 
 import numpy as np

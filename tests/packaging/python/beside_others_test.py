@@ -40,7 +40,7 @@ class BesideOthers(unittest.TestCase):
         infuse.registration.align(room(), room(), turn)
 
     @unittest.skipIf(matplotlib is None, "python3-matplotlib is not installed")
-    def test_pictures_show_what_they_are_given(self):
+    def test_figures_show_what_they_are_given(self):
         camera = infuse.Intrinsics(64, 48, 40, 40, 32, 24)
         points = np.array([[0, 0, 5], [1, 0, 5], [0, 0, -5], [100, 0, 5]], float)
         axes = infuse.plot.projection(infuse.Image(np.zeros((48, 64), np.uint8)), points, camera, np.eye(4))
