@@ -32,7 +32,7 @@ struct Closure {
   Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();   ///< the motion
   geometry::Matrix6 covariance = geometry::Matrix6::Identity();  ///< left perturbation at `from`
   double agreement = 0, overlap = 0;  ///< shares of supported points, see `ViewAgreement`
-  std::string reason;  ///< why it is rejected; empty if it is accepted
+  std::string reason;                 ///< why it is rejected; empty if it is accepted
 
   /// True if it is accepted.
   bool accepted() const { return reason.empty(); }

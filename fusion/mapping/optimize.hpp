@@ -22,7 +22,7 @@ struct OptimizeOptions {
 
 /// Costs before and after, and whether the poses may be used.
 struct OptimizeResult {
-  double initial_cost = 0, cost = 0;  ///< before and after
+  double initial_cost = 0, cost = 0;     ///< before and after
   int iterations = 0;                    ///< factorisations
   const char* reason = "not optimised";  ///< static text; empty if the poses are usable
 

@@ -20,7 +20,7 @@ struct PosePair {
 
 /// Root mean square, mean, median, maximum and number of errors.
 struct ErrorStatistics {
-  size_t count = 0;  ///< number of errors
+  size_t count = 0;                               ///< number of errors
   double rms = 0, mean = 0, median = 0, max = 0;  ///< of the errors
 };
 
