@@ -11,8 +11,8 @@ endif()
 set(python ${PROJECT_SOURCE_DIR}/packaging/python)
 file(GLOB sources CONFIGURE_DEPENDS ${python}/*.cpp)
 pybind11_add_module(infuse_python MODULE NO_EXTRAS ${sources})
-target_link_libraries(infuse_python PRIVATE infuse::flags infuse_version infuse::daemon_tools_calibrate infuse::drivers_import
-  infuse::fusion_registration)
+target_link_libraries(infuse_python PRIVATE infuse::flags infuse_version infuse::daemon_tools_calibrate infuse::daemon_streetmap
+  infuse::drivers_import infuse::fusion_registration)
 # What the module holds of other libraries is its own.
 target_link_options(infuse_python PRIVATE -Wl,--exclude-libs,ALL -Wl,--gc-sections)
 target_compile_options(infuse_python PRIVATE ${INFUSE_COLD_OPTIONS})

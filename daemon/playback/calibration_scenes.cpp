@@ -146,6 +146,7 @@ Result<void> add_pairs(OpenDrive& drive, size_t camera, size_t count, const Scen
                               frame->height, intrinsics.width, intrinsics.height),
                   images[k].path.string(), "intrinsics are valid for one image size only");
     }
+    frame->stamp = images[k].stamp;
     if (!sweep.deskew_reason.empty()) ++not_deskewed[sweep.deskew_reason];
     move_to_rows(mount, sweep);
     ScenePair pair{.name = fmt::format("{}/{:06}", label, images[k].number),

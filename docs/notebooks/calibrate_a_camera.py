@@ -46,13 +46,7 @@ assert comparison.better != "old"
 
 # %% A figure: returns over an image
 try:
-    import matplotlib.pyplot as plt
-    image, sweep = held_out.image(0), held_out.sweep(0)
-    camera = pairs.cameras[0].intrinsics
-    uv, depth = infuse.calibration.project(sweep, camera, result.T_camera_lidar)
-    near = (depth > 1) & (uv > 0).all(axis=1) & (uv < [camera.width, camera.height]).all(axis=1)
-    plt.imshow(image.pixels[..., ::-1] if image.pixels.ndim == 3 else image.pixels, cmap="gray")
-    plt.scatter(*uv[near].T, c=np.log(depth[near]), s=1)
-    plt.savefig("calibrate_a_camera.png")
+    axes = infuse.plot.projection(held_out.image(0), held_out.sweep(0), pairs.cameras[0].intrinsics, result.T_camera_lidar)
+    axes.figure.savefig("calibrate_a_camera.png")
 except ImportError:
     print("no figure: python3-matplotlib is not installed")

@@ -76,11 +76,6 @@ assert abs(degrees[profiles["joint"].argmax()]) <= 0.5
 
 # %% A figure
 try:
-    import matplotlib.pyplot as plt
-    for name, profile in profiles.items():
-        plt.plot(degrees, (profile - profile.min()) / np.ptp(profile), label=name)
-    plt.xlabel("camera turned, degrees")
-    plt.legend()
-    plt.savefig("five_measures.png")
+    infuse.plot.profile(degrees, profiles).figure.savefig("five_measures.png")
 except ImportError:
     print("no figure: python3-matplotlib is not installed")

@@ -36,11 +36,6 @@ assert abs(error) < 0.02 * driven + 0.2
 
 # %% A figure
 try:
-    import matplotlib.pyplot as plt
-    plt.plot(path[:, 0, 3], path[:, 1, 3])
-    plt.axis("equal")
-    plt.xlabel("x, m")
-    plt.ylabel("y, m")
-    plt.savefig("lidar_odometry.png")
+    infuse.plot.trajectory(path, label="lidar").figure.savefig("lidar_odometry.png")
 except ImportError:
     print("no figure: python3-matplotlib is not installed")

@@ -43,8 +43,8 @@ class LidarDecoder : private ReturnReader {
   /// The new fix of a GNSS receiver, readings of the gyros or sample of the inertial unit in the
   /// last datagram. False if there is none; the argument is unchanged then.
   bool pull(GnssFix& fix) { return take(fix_, fix); }
-  bool pull(GyroReadings& readings) { return take(gyros_, readings); }
-  bool pull(ImuSample& sample) { return take(imu_, sample); }
+  bool pull(GyroReadings& readings) { return take(gyros_, readings); }  ///< as for a fix
+  bool pull(ImuSample& sample) { return take(imu_, sample); }           ///< as for a fix
 
   /// Ends the stream: `pull` until false returns the remaining data.
   void finish();
@@ -76,6 +76,7 @@ class LidarDecoder : private ReturnReader {
   void add_kernel_dropped(uint64_t datagrams, bool data) {
     losses_.add_kernel_dropped(datagrams, data);
   }
+  /// Counts datagrams that a filter has left out.
   void add_filtered(uint64_t datagrams) { losses_.add_filtered(datagrams); }
 
  protected:
@@ -94,12 +95,13 @@ class LidarDecoder : private ReturnReader {
   /// the payload as static text, or null. All of the payload that `append` reads must be checked.
   virtual const char* parse(std::span<const uint8_t> payload, PacketHeader& header) const = 0;
 
+  /// Puts the returns of a packet into a sweep.
   void append(const HeldPacket&, const FiringPlan&, size_t, size_t, SweepWriter&) override {}
 
   /// Reads an information packet, or a packet of the inertial unit, of the sensor itself. Returns
   /// what is wrong with it as static text, or null.
   virtual const char* read_information(const Datagram& datagram);
-  virtual const char* read_inertial(const Datagram& datagram);
+  virtual const char* read_inertial(const Datagram& datagram);  ///< of the inertial unit
 
   /// Takes note of a data packet that will be decoded.
   virtual void observe(std::span<const uint8_t>, const PacketHeader&,
@@ -110,10 +112,12 @@ class LidarDecoder : private ReturnReader {
 
   /// Hands on what a packet holds.
   void give(const GnssFix& fix) { fix_ = fix; }
-  void give(const GyroReadings& readings) { gyros_ = readings; }
-  void give(const ImuSample& sample) { imu_ = sample; }
+  void give(const GyroReadings& readings) { gyros_ = readings; }  ///< to `pull`
+  void give(const ImuSample& sample) { imu_ = sample; }           ///< to `pull`
 
+  /// Sets where the beams' angles are from.
   void set_calibration_source(CalibrationSource source) { calibration_source_ = source; }
+  /// Sets when the beams of a firing fire.
   void set_timing(const SequenceTiming& timing) { assembler_->set_timing(timing); }
 
   /// States that the device's counter agrees with UTC, even if the host's clock says otherwise.

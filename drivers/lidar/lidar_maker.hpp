@@ -30,7 +30,7 @@ enum class PacketClass : uint8_t {
 
 /// UDP ports to which a maker's lidars send as they come from the factory.
 struct LidarPorts {
-  uint16_t data = 2368;
+  uint16_t data = 2368;         ///< of returns
   uint16_t information = 8308;  ///< equal to `data`: none
 };
 
@@ -45,14 +45,14 @@ enum class RosPackets : uint8_t {
 
 /// A packet at the beginning of bytes that may hold anything.
 struct FoundPacket {
-  PacketClass packet_class = PacketClass::kOther;
-  size_t size = 0;       ///< bytes
+  PacketClass packet_class = PacketClass::kOther;  ///< its kind
+  size_t size = 0;                                 ///< bytes
   bool certain = false;  ///< false: a message must state its length before it
 };
 
 /// A model that a unit's calibration states.
 struct StatedModel {
-  const LidarModel* model = nullptr;
+  const LidarModel* model = nullptr;  ///< the model
   std::filesystem::path calibration;  ///< the file, or what else names it
   std::string states;                 ///< what it states of firmware, modes and clock, for people
 };
@@ -165,8 +165,8 @@ const LidarModel* find_model(MakerList makers, std::string_view name);
 
 /// A datagram's maker and kind; no maker: `kOther`.
 struct ClassifiedPacket {
-  const LidarMaker* maker = nullptr;
-  PacketClass packet_class = PacketClass::kOther;
+  const LidarMaker* maker = nullptr;               ///< null: none
+  PacketClass packet_class = PacketClass::kOther;  ///< its kind
 };
 
 /// Kind of a datagram's payload, by the first maker that knows it.

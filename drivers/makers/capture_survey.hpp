@@ -18,22 +18,24 @@ struct Stream {
   uint32_t sender = 0;                       ///< IPv4 address, host byte order
   uint16_t port = 0;                         ///< UDP destination port
   const lidar::LidarMaker* maker = nullptr;  ///< whose packets they are; null: of no known maker
+  /// Their kind.
   lidar::PacketClass packet_class = lidar::PacketClass::kOther;
-  Arrivals arrivals;
+  Arrivals arrivals;       ///< number, times and gaps
   uint64_t bytes = 0;      ///< of payload, total
   uint64_t fixes = 0;      ///< of information packets: those with a fix of a GNSS receiver
   uint32_t last_size = 0;  ///< payload of the last datagram, bytes
   std::string statement;   ///< of information packets: what the first states of its sensor
   std::unique_ptr<lidar::ModelInference> inference;  ///< of data packets; else null
 
-  bool has_data() const { return packet_class == lidar::PacketClass::kData; }
+  bool has_data() const { return packet_class == lidar::PacketClass::kData; }  ///< returns
 };
 
 /// Sorts the datagrams of a capture into streams by sender, port, maker and kind.
 class CaptureSurvey {
  public:
-  static constexpr size_t kMaxStreams = 64;
+  static constexpr size_t kMaxStreams = 64;  ///< others are counted only
 
+  /// Adds the next datagram.
   void add(const Datagram& datagram);
 
   /// Sets the counters of the capture's packets, for `describe_unread`.

@@ -27,14 +27,14 @@ constexpr uint8_t luminance(uint32_t blue, uint32_t green, uint32_t red) {
 
 /// One decoded image of a camera, rows from the top, without padding.
 struct CameraFrame {
-  Stamp stamp;            ///< middle of the exposure
-  Duration exposure{0};   ///< duration of the exposure; 0 if unknown
-  double gain = 0;        ///< as the driver reports it; 0 if unknown
-  uint64_t sequence = 0;  ///< frame counter of the driver; gaps are lost frames
-  int width = 0;          ///< pixels
-  int height = 0;         ///< pixels
-  PixelFormat format = PixelFormat::kGrey8;
-  std::vector<uint8_t> pixels;  ///< width · height · channels(format) bytes
+  Stamp stamp;                               ///< middle of the exposure
+  Duration exposure{0};                      ///< duration of the exposure; 0 if unknown
+  double gain = 0;                           ///< as the driver reports it; 0 if unknown
+  uint64_t sequence = 0;                     ///< frame counter of the driver; gaps are lost frames
+  int width = 0;                             ///< pixels
+  int height = 0;                            ///< pixels
+  PixelFormat format = PixelFormat::kGrey8;  ///< of `pixels`
+  std::vector<uint8_t> pixels;               ///< width · height · channels(format) bytes
 
   /// Bytes of one row.
   size_t row_bytes() const {

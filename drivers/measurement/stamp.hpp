@@ -19,15 +19,18 @@ using Duration = std::chrono::nanoseconds;
 class Stamp {
  public:
   constexpr Stamp() = default;
-  static constexpr Stamp from_ns(int64_t ns) { return Stamp(ns); }
+  static constexpr Stamp from_ns(int64_t ns) { return Stamp(ns); }  ///< since the Unix epoch
+  /// Before all.
   static constexpr Stamp earliest() { return Stamp(std::numeric_limits<int64_t>::min()); }
+  /// After all others.
   static constexpr Stamp latest() { return Stamp(std::numeric_limits<int64_t>::max()); }
 
   /// Nanoseconds since the Unix epoch.
   constexpr int64_t ns() const { return ns_; }
 
-  constexpr auto operator<=>(const Stamp&) const = default;
+  constexpr auto operator<=>(const Stamp&) const = default;  ///< by time
 
+  /// Later by a span; saturates.
   friend constexpr Stamp operator+(Stamp stamp, Duration span) {
     int64_t sum = 0;
     if (__builtin_add_overflow(stamp.ns_, span.count(), &sum)) {
@@ -35,6 +38,7 @@ class Stamp {
     }
     return Stamp(sum);
   }
+  /// The span between two; saturates.
   friend constexpr Duration operator-(Stamp later, Stamp earlier) {
     int64_t difference = 0;
     if (__builtin_sub_overflow(later.ns_, earlier.ns_, &difference)) {
@@ -42,11 +46,12 @@ class Stamp {
     }
     return Duration(difference);
   }
+  /// Earlier by a span; saturates.
   friend constexpr Stamp operator-(Stamp stamp, Duration span) {
     return span == Duration::min() ? latest() : stamp + (-span);
   }
-  constexpr Stamp& operator+=(Duration span) { return *this = *this + span; }
-  constexpr Stamp& operator-=(Duration span) { return *this = *this - span; }
+  constexpr Stamp& operator+=(Duration span) { return *this = *this + span; }  ///< saturates
+  constexpr Stamp& operator-=(Duration span) { return *this = *this - span; }  ///< saturates
 
  private:
   explicit constexpr Stamp(int64_t ns) : ns_(ns) {}

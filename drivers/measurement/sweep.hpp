@@ -52,8 +52,8 @@ using FieldVector = std::vector<T, UninitializedAllocator<T>>;
 /// Azimuth range of a turn from which no data arrived. Azimuths in radians, lidar frame
 /// (counter-clockwise from x), in the direction of rotation.
 struct AzimuthGap {
-  double from = 0;
-  double to = 0;
+  double from = 0;  ///< rad
+  double to = 0;    ///< rad
 };
 
 /// One turn of a lidar (or the part of it that the sensor is configured to scan): a structure of
@@ -82,7 +82,7 @@ struct Sweep {
   FieldVector<uint16_t> ring;       ///< number of the beam by elevation, counted from below
   FieldVector<uint16_t> column;     ///< number of the firing, counted from the sweep's first
   FieldVector<int32_t> time_offset_ns;  ///< after `stamp`
-  FieldVector<ReturnKind> return_kind;
+  FieldVector<ReturnKind> return_kind;  ///< which of the beam's echoes
 
   /// Number of returns in the sweep.
   size_t size() const { return x.size(); }

@@ -11,7 +11,7 @@ namespace infuse {
 /// Motion as the vehicle's own sensors measure it at one moment. A quantity that is not measured at
 /// this moment is NaN.
 struct WheelOdometry {
-  Stamp stamp;
+  Stamp stamp;                          ///< of the measurement
   std::array<double, 4> wheel_speed{};  ///< m/s: front left, front right, rear left, rear right
   double yaw_rate = 0;                  ///< rad/s, counter-clockwise seen from above
   double steering_angle = 0;            ///< rad at the steering wheel, left positive
@@ -21,14 +21,14 @@ struct WheelOdometry {
 
 /// One sample of an inertial measurement unit, in the vehicle's axes (x forward, y left, z up).
 struct ImuSample {
-  Stamp stamp;
+  Stamp stamp;                                  ///< of the measurement
   std::array<double, 3> angular_velocity{};     ///< rad/s
   std::array<double, 3> linear_acceleration{};  ///< m/s², gravity included (at rest: z ≈ +9.81)
 };
 
 /// One fix of a GNSS receiver.
 struct GnssFix {
-  Stamp stamp;
+  Stamp stamp;           ///< of the measurement
   double latitude = 0;   ///< rad, WGS 84
   double longitude = 0;  ///< rad
   /// Height above the ellipsoid or the sea, m, as the receiver reports it; NaN if unknown.

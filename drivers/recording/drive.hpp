@@ -40,7 +40,7 @@ struct CanSignal {
   double scale = 1;      ///< multiplies the SI value; −1 for a signal of opposite sign
   std::string unit;      ///< replaces the unit in the DBC file; empty: the DBC file's
 
-  bool operator==(const CanSignal&) const = default;
+  bool operator==(const CanSignal&) const = default;  ///< of all members
 };
 
 /// Files of the vehicle's CAN bus.
@@ -60,15 +60,15 @@ const std::vector<std::string>& can_quantities();
 /// Content of a drive.toml: the rig and the files of the drive. The format is documented in
 /// drivers/recording/DRIVE.md.
 struct DriveDescription {
-  std::string name;           ///< free text
-  bool times_trusted = true;  ///< false: the stamps are synthetic (`times = "synthetic"`)
-  Rig rig;
+  std::string name;                  ///< free text
+  bool times_trusted = true;         ///< false: the stamps are synthetic (`times = "synthetic"`)
+  Rig rig;                           ///< sensors and mountings
   std::vector<LidarFiles> lidars;    ///< one per entry of `rig.lidars`
   std::vector<CameraFiles> cameras;  ///< one per entry of `rig.cameras`
-  std::optional<CanFiles> can;
-  std::string speed;        ///< speed.csv; empty: none
-  std::string imu;          ///< imu.csv; empty: none
-  std::string gnss;         ///< gnss.csv; empty: none
+  std::optional<CanFiles> can;       ///< nothing: no bus
+  std::string speed;                 ///< speed.csv; empty: none
+  std::string imu;                   ///< imu.csv; empty: none
+  std::string gnss;                  ///< gnss.csv; empty: none
   std::string gnss_lidar;   ///< lidar whose position packets carry the fixes instead; empty: none
   std::string map;          ///< OpenStreetMap XML; empty: none
   std::string truth_poses;  ///< T_map_vehicle, TUM format; used to score, never to estimate
@@ -81,8 +81,8 @@ struct DriveDescription {
 
 /// A recorded drive: a folder with a drive.toml.
 struct Drive {
-  std::filesystem::path folder;
-  DriveDescription description;
+  std::filesystem::path folder;  ///< of drive.toml
+  DriveDescription description;  ///< what drive.toml states
 
   /// Reads `folder`/drive.toml and checks that every file it names exists.
   static Result<Drive> open(const std::filesystem::path& folder);

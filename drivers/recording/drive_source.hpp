@@ -23,37 +23,37 @@ inline constexpr size_t kNoLidar = std::numeric_limits<size_t>::max();
 
 /// A UDP datagram of a capture. `lidar` is an index into `Rig::lidars`, or `kNoLidar`.
 struct DatagramEvent {
-  size_t lidar = kNoLidar;
-  Datagram datagram;
+  size_t lidar = kNoLidar;  ///< the sender
+  Datagram datagram;        ///< with its stamp
 };
 
 /// A sweep of a lidar whose files contain decoded sweeps. `lidar` is an index into `Rig::lidars`.
 /// The event's stamp is the end of the sweep.
 struct SweepEvent {
-  size_t lidar = 0;
-  const Sweep* sweep = nullptr;
+  size_t lidar = 0;              ///< whose sweep
+  const Sweep* sweep = nullptr;  ///< not null
 };
 
 /// An image file, not decoded yet. `camera` is an index into `Rig::cameras`. The event's stamp is
 /// the middle of the exposure (`stamp_delay` is subtracted).
 struct ImageEvent {
-  size_t camera = 0;
-  size_t sequence = 0;  ///< number of the file; gaps are lost frames
-  const std::filesystem::path* path = nullptr;
+  size_t camera = 0;                            ///< whose image
+  size_t sequence = 0;                          ///< number of the file; gaps are lost frames
+  const std::filesystem::path* path = nullptr;  ///< not null
 };
 
 /// A line of a candump log, without its line end.
 struct CanLineEvent {
-  std::string_view line;
+  std::string_view line;  ///< as in the log
 };
 
 /// One recorded measurement with its stamp. Pointers and spans are valid until the next event is
 /// read.
 struct DriveEvent {
-  Stamp stamp;
+  Stamp stamp;  ///< of the measurement
   std::variant<DatagramEvent, SweepEvent, ImageEvent, CanLineEvent, WheelOdometry, ImuSample,
                GnssFix>
-      content;
+      content;  ///< what it is
 };
 
 /// One recorded stream, in file order.

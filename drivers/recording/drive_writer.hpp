@@ -24,8 +24,8 @@ class DriveWriter {
  public:
   /// A file to copy into the drive, such as a DBC file or a beam table.
   struct CopiedFile {
-    std::filesystem::path from;
-    std::string to;  ///< relative to the drive
+    std::filesystem::path from;  ///< the file
+    std::string to;              ///< relative to the drive
   };
 
   /// Creates the folder, which must not exist, and the files that the description names: one
@@ -61,7 +61,7 @@ class DriveWriter {
   /// Number of bytes in all files.
   uint64_t bytes() const;
 
-  const std::filesystem::path& folder() const { return folder_; }
+  const std::filesystem::path& folder() const { return folder_; }  ///< the drive
 
  private:
   static constexpr uint64_t kMaxLostFrames =

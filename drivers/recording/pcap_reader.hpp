@@ -54,8 +54,8 @@ class PcapReader {
   static Result<PcapReader> from_bytes(std::span<const uint8_t> bytes, const std::string& name,
                                        const PcapOptions& options = {});
 
-  PcapReader(PcapReader&&) noexcept;
-  PcapReader& operator=(PcapReader&&) noexcept;
+  PcapReader(PcapReader&&) noexcept;             ///< movable
+  PcapReader& operator=(PcapReader&&) noexcept;  ///< movable
   ~PcapReader();
 
   /// Reads the next datagram that passes the filter; its payload is valid until the next call.

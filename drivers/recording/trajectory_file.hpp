@@ -14,7 +14,7 @@ namespace infuse::recording {
 /// One line of a trajectory file.
 struct TrajectoryPose {
   Stamp stamp;  ///< index of the pose in nanoseconds if the format has no stamps (KITTI)
-  Eigen::Isometry3d T_frame_body = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_frame_body = Eigen::Isometry3d::Identity();  ///< the pose
 };
 
 /// Parses a trajectory in TUM format: "seconds x y z qx qy qz qw" per line. Empty lines and lines

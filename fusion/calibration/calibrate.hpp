@@ -27,10 +27,11 @@ struct CalibrateOptions {
 
   // Choice of the basin: rotations are screened, the best of them start an ascent, and the best
   // different maxima of each level go on to the next.
-  ScreenOptions screen;
+  ScreenOptions screen;           ///< of the rotations
   double screen_sigma = 8;        ///< px, blur of the images for the screening, see `ImageBlur`
   size_t screen_points = 16'000;  ///< maximum number of points of the screening
   size_t coarse_points = 60'000;  ///< maximum number of points of the coarse levels
+  /// Levels of the choice, the most blurred first.
   std::vector<Level> coarse{{.sigma = 8, .tolerance = 2e-2, .prior_weight = 0.3, .survivors = 6},
                             {.sigma = 4, .tolerance = 2e-2, .prior_weight = 0.1, .survivors = 6},
                             {.sigma = 3, .tolerance = 1e-2, .prior_weight = 0.03, .survivors = 2},
@@ -42,6 +43,7 @@ struct CalibrateOptions {
   /// Maximum number of points of the fine levels and the uncertainty, beside all that are near
   /// depth edges. More points take longer and do not reduce the spread of the results.
   size_t fine_points = 300'000;
+  /// The levels.
   std::vector<Level> fine{{.sigma = 3, .points = 60'000, .tolerance = 5e-3},
                           {.sigma = 2, .points = 120'000, .tolerance = 5e-3},
                           {.sigma = 1}};
@@ -72,9 +74,9 @@ struct CalibrateOptions {
   /// a camera whose intrinsics are verified and whose pose alone may have changed.
   bool check_intrinsics = true;
 
-  uint64_t seed = 1;         ///< of the restarts and halvings
-  MaximizeOptions maximize;  ///< its `stop` ends the calibration early, without a usable result
-  VisibilityOptions visibility;
+  uint64_t seed = 1;             ///< of the restarts and halvings
+  MaximizeOptions maximize;      ///< its `stop` ends the calibration early, without a usable result
+  VisibilityOptions visibility;  ///< which points are compared
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;
@@ -112,7 +114,7 @@ struct CalibrationResult {
   std::optional<geometry::Matrix6> split_half;
   std::string reason;  ///< why the result cannot be used; empty if it can
 
-  bool usable() const { return reason.empty(); }
+  bool usable() const { return reason.empty(); }  ///< it may be used
 
   /// Stated covariance of T_refcam_lidar.
   geometry::Matrix6 covariance() const { return uncertainty.covariance + model_covariance; }

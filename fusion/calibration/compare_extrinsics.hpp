@@ -43,7 +43,7 @@ struct ExtrinsicComparison {
   double better = 0;           ///< sum of the scaled differences: positive where b fits better
   std::string reason;          ///< why nothing can be said; empty if it can
 
-  bool usable() const { return reason.empty(); }
+  bool usable() const { return reason.empty(); }  ///< it may be used
 };
 
 /// Compares two poses T_refcam_lidar on scenes that neither was estimated from: by the image's

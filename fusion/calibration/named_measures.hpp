@@ -10,12 +10,12 @@ namespace infuse::calibration {
 
 /// Named sum of terms, as `infuse calibrate --measure NAME` offers it.
 struct NamedMeasure {
-  const char* name;
-  const char* description;
-  std::vector<TermOptions> terms;
+  const char* name;                       ///< "joint"
+  const char* description;                ///< a line for people
+  std::vector<TermOptions> terms;         ///< what is added up
   std::vector<TermOptions> search_terms;  ///< `CalibrateOptions::search_terms`; empty: `terms`
   bool equalize_image = false;            ///< SceneOptions::equalize
-  bool has_gradient = true;
+  bool has_gradient = true;               ///< false: searched without
 };
 
 /// All named measures, the default first.

@@ -24,8 +24,8 @@ struct SceneOptions {
   PerLidarFeature<bool> lidar{false, true, false, true};
   PerImageFeature<bool> image{false, true, true};  ///< features to compute: local grey, ring edge
   features::RingDirections rings;                  ///< of this camera's images, for the ring edge
-  features::DiscontinuityOptions discontinuity;
-  NormalOptions normals;
+  features::DiscontinuityOptions discontinuity;    ///< of depth edges
+  NormalOptions normals;                           ///< of surfaces
   /// Grey and edges by rank within the image, so that exposure does not matter. False: values
   /// divided by 255.
   bool equalize = true;
@@ -52,7 +52,7 @@ struct Scene {
   std::optional<geometry::Vector6> twist;  ///< rad/s, m/s: the lidar's motion in its own frame
                                            ///< when the image was taken, where known
 
-  size_t size() const { return x.size(); }
+  size_t size() const { return x.size(); }  ///< number of returns
 };
 
 /// Computes the features of a kGrey8 or kBgr8 image that `options` name; the other planes stay

@@ -7,7 +7,7 @@ struct Estimate {
   double value = 0;         ///< nats, or the unit of the measure
   const char* reason = "";  ///< static text: why the value is unusable; empty if usable
 
-  bool usable() const { return *reason == '\0'; }
+  bool usable() const { return *reason == '\0'; }  ///< it may be used
 };
 
 }  // namespace infuse::dependence

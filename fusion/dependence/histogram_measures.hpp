@@ -22,7 +22,7 @@ Estimate measure(Measure which, const JointHistogram& histogram);
 /// Value of a measure and its derivative with respect to every normalised cell p(x, y), up to terms
 /// that depend on x alone (they vanish when samples move along y).
 struct Sensitivity {
-  Estimate estimate;
+  Estimate estimate;          ///< the value
   double total = 0;           ///< mass of the histogram
   std::vector<double> table;  ///< same shape as the histogram; 0 in empty cells
 };

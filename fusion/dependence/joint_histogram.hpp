@@ -28,8 +28,8 @@ enum class Window {
 
 /// Settings of a joint histogram.
 struct JointHistogramOptions {
-  Axis x, y;
-  Window window = Window::kBSpline;
+  Axis x, y;                         ///< their bins
+  Window window = Window::kBSpline;  ///< of the density
 
   /// Returns what is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;
@@ -44,13 +44,14 @@ inline constexpr const char* kFewerSamplesThanBins = "fewer samples than bins";
 
 /// Joint histogram of two variables.
 struct JointHistogram {
-  int bins_x = 0, bins_y = 0;
-  std::vector<double> mass;  ///< bins_x rows of bins_y, not normalised
-  double total = 0;          ///< sum of `mass`
-  double samples = 0;        ///< number of samples counted
-  const char* reason = "";   ///< static text: why it is unusable; empty if usable
+  int bins_x = 0, bins_y = 0;  ///< number of bins
+  std::vector<double> mass;    ///< bins_x rows of bins_y, not normalised
+  double total = 0;            ///< sum of `mass`
+  double samples = 0;          ///< number of samples counted
+  const char* reason = "";     ///< static text: why it is unusable; empty if usable
 
-  bool usable() const { return *reason == '\0'; }
+  bool usable() const { return *reason == '\0'; }  ///< it may be used
+  /// Mass of a cell.
   double at(int x, int y) const {
     const int cell = x * bins_y + y;
     return mass[static_cast<size_t>(cell)];

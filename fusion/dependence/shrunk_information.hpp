@@ -28,7 +28,7 @@ class ShrunkInformation {
   /// `target`: frequency of each label, positive, with sum 1 (both variables have the same labels).
   explicit ShrunkInformation(std::vector<double> target);
 
-  size_t labels() const { return target_.size(); }
+  size_t labels() const { return target_.size(); }  ///< number of labels
 
   /// Forgets all pairs.
   void clear();

@@ -17,7 +17,7 @@ struct SweepView {
   std::span<const float> reflectivity;     ///< 0 … 1
   std::span<const uint16_t> ring, column;  ///< as in `Sweep`
 
-  size_t size() const { return range.size(); }
+  size_t size() const { return range.size(); }  ///< number of returns
 };
 
 /// View of a sweep that is deskewed already, or needs no deskewing.

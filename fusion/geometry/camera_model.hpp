@@ -9,7 +9,7 @@ namespace infuse::geometry {
 
 /// Pixel of a point and its derivatives.
 struct ProjectionDerivatives {
-  Eigen::Vector2d pixel;
+  Eigen::Vector2d pixel;                 ///< u, v
   Eigen::Matrix<double, 2, 3> by_point;  ///< pixel per metre of the point, camera frame
   Eigen::Matrix<double, 2, 6>
       by_pose;  ///< per (rx, ry, rz, tx, ty, tz) of a left perturbation of T_camera_lidar
@@ -23,6 +23,7 @@ class CameraModel {
   /// `intrinsics.invalid()` must be empty.
   explicit CameraModel(const CameraIntrinsics& intrinsics);
 
+  /// The intrinsics of the model.
   const CameraIntrinsics& intrinsics() const { return intrinsics_; }
 
   /// Largest projected angle from the optical axis: tan² of it for a pinhole, radians for a

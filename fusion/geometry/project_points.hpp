@@ -8,7 +8,7 @@ namespace infuse::geometry {
 
 /// Points as a structure of arrays, m; all spans have the same length.
 struct PointsView {
-  std::span<const float> x, y, z;
+  std::span<const float> x, y, z;  ///< m
 };
 
 /// Pixels as a structure of arrays; all spans are as long as those of the points.

@@ -11,8 +11,8 @@ namespace infuse::geometry {
 
 /// Pose of the vehicle at one time, in the odometry frame `odom` of REP 105.
 struct StampedPose {
-  Stamp stamp;
-  Eigen::Isometry3d T_odom_vehicle = Eigen::Isometry3d::Identity();
+  Stamp stamp;                                                       ///< of the pose
+  Eigen::Isometry3d T_odom_vehicle = Eigen::Isometry3d::Identity();  ///< the pose
   Matrix6 covariance = Matrix6::Zero();  ///< left perturbation, odometry frame
   /// Sum of the covariances of the measured steps that led here, which is the least that the
   /// covariance grows by; 0 where no steps are measured.
@@ -34,12 +34,12 @@ struct TrajectoryOptions {
 
 /// Pose at a requested time, or the reason why it is unknown.
 struct PoseAt {
-  Eigen::Isometry3d T_odom_vehicle = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_odom_vehicle = Eigen::Isometry3d::Identity();  ///< the pose
   Matrix6 covariance = Matrix6::Zero();  ///< left perturbation, odometry frame
   Matrix6 steps = Matrix6::Zero();       ///< as in `StampedPose`
   const char* reason = "";               ///< static text; empty if the pose is usable
 
-  bool usable() const { return *reason == '\0'; }
+  bool usable() const { return *reason == '\0'; }  ///< it may be used
 };
 
 /// Motion between two times, or the reason why it is unknown.
@@ -49,7 +49,7 @@ struct MotionBetween {
   Matrix6 covariance = Matrix6::Zero();  ///< left perturbation, vehicle frame at `from`
   const char* reason = "";               ///< static text; empty if the motion is usable
 
-  bool usable() const { return *reason == '\0'; }
+  bool usable() const { return *reason == '\0'; }  ///< it may be used
 };
 
 /// Bounded, time-ordered sequence of stamped poses `T_odom_vehicle` in the odometry frame. Between
@@ -68,8 +68,8 @@ class Trajectory {
   /// Removes all poses; keeps the memory.
   void clear();
 
-  size_t size() const { return size_; }
-  bool empty() const { return size_ == 0; }
+  size_t size() const { return size_; }      ///< number of poses
+  bool empty() const { return size_ == 0; }  ///< no pose
 
   /// Poses in time order; index < size().
   const StampedPose& operator[](size_t index) const;

@@ -29,11 +29,12 @@ struct ClosureSearchOptions {
 struct Closure {
   size_t from = 0, to = 0;  ///< indices of keyframes, from < to
   bool guessed = true;      ///< where it is sought is certain enough for a registration
-  Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();   ///< the motion
   geometry::Matrix6 covariance = geometry::Matrix6::Identity();  ///< left perturbation at `from`
-  double agreement = 0, overlap = 0;
-  std::string reason;  ///< why it is rejected; empty if it is accepted
+  double agreement = 0, overlap = 0;  ///< shares of supported points, see `ViewAgreement`
+  std::string reason;                 ///< why it is rejected; empty if it is accepted
 
+  /// True if it is accepted.
   bool accepted() const { return reason.empty(); }
 };
 

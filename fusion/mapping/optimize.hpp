@@ -12,9 +12,9 @@ namespace infuse::mapping {
 
 /// Settings of the optimisation of a pose graph.
 struct OptimizeOptions {
-  Cost cost = Cost::kInformation;
-  int max_iterations = 100;
-  double tolerance = 1e-9;  ///< relative decrease of the cost below which it has converged
+  Cost cost = Cost::kInformation;  ///< which is minimised
+  int max_iterations = 100;        ///< factorisations
+  double tolerance = 1e-9;         ///< relative decrease of the cost below which it has converged
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;
@@ -22,11 +22,11 @@ struct OptimizeOptions {
 
 /// Costs before and after, and whether the poses may be used.
 struct OptimizeResult {
-  double initial_cost = 0, cost = 0;
+  double initial_cost = 0, cost = 0;     ///< before and after
   int iterations = 0;                    ///< factorisations
   const char* reason = "not optimised";  ///< static text; empty if the poses are usable
 
-  bool usable() const { return *reason == '\0'; }
+  bool usable() const { return *reason == '\0'; }  ///< they may be used
 };
 
 /// Poses that minimise the cost of a graph, by Gauss–Newton with the damping of Levenberg and
@@ -35,6 +35,7 @@ struct OptimizeResult {
 template <int D>
 class PoseGraphSolver {
  public:
+  /// Analyses the structure of the graph.
   explicit PoseGraphSolver(const PoseGraph<D>& graph);
 
   /// Moves the poses of `graph`. `options.invalid()` must be empty.

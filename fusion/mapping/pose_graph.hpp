@@ -20,8 +20,8 @@ using PoseMatrix = Eigen::Matrix<double, kPoseFreedom<D>, kPoseFreedom<D>>;
 /// Measured motion between two poses of a graph.
 template <int D>
 struct PoseEdge {
-  size_t from = 0, to = 0;  ///< indices of poses
-  Pose<D> T_from_to = Pose<D>::Identity();
+  size_t from = 0, to = 0;                  ///< indices of poses
+  Pose<D> T_from_to = Pose<D>::Identity();  ///< the motion
   /// Information as g2o has it, in the frame at `to`: (x, y, angle) in m and rad, or (x, y, z, qx,
   /// qy, qz) where q, the vector part of a unit quaternion, is half of a small rotation.
   PoseMatrix<D> information = PoseMatrix<D>::Identity();
@@ -31,8 +31,8 @@ struct PoseEdge {
 /// Poses and the motions measured between them; D is 2 or 3.
 template <int D>
 struct PoseGraph {
-  std::vector<Pose<D>> poses;  ///< T_map_pose
-  std::vector<PoseEdge<D>> edges;
+  std::vector<Pose<D>> poses;      ///< T_map_pose
+  std::vector<PoseEdge<D>> edges;  ///< in any order
 };
 
 /// First pose that no chain of edges joins to pose 0, or the number of poses if there is none.

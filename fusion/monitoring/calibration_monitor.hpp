@@ -27,10 +27,10 @@ struct MonitorOptions {
   double min_distance = 1.5;             ///< m driven, or
   double min_rotation = 0.1;  ///< rad turned between evaluations: each place is evaluated once
   double min_peak = 4e-3;  ///< nats; minimum difference between the largest and the smallest value
-  MonitorDependence::Weights weights;
-  DriftDetectorOptions detector;
-  CameraCheckOptions camera_check;
-  SceneStoreOptions scene_store;
+  MonitorDependence::Weights weights;  ///< of its parts
+  DriftDetectorOptions detector;       ///< of the evidence
+  CameraCheckOptions camera_check;     ///< of faults
+  SceneStoreOptions scene_store;       ///< of scenes that are kept
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;
@@ -38,14 +38,14 @@ struct MonitorOptions {
 
 /// Result of the monitoring of one image.
 struct MonitorReport {
-  Stamp stamp;
+  Stamp stamp;              ///< of the image
   bool evaluated = false;   ///< true if the image was evaluated
   const char* reason = "";  ///< static text: why it was not evaluated
   DriftVerdict verdict;     ///< by this image and those before
   double dependence = 0;    ///< nats, of this image at the present calibration
   /// Nats; `dependence` minus that at the alternative (`set_alternative`).
   double gain = 0;
-  bool has_gain = false;
+  bool has_gain = false;             ///< there is an alternative
   bool alternative_drifted = false;  ///< a drift of the alternative itself is confirmed
   Stamp alternative_since;           ///< earliest begin of that
   Stamp since;  ///< earliest begin of the drift: last stamp without evidence; `earliest` without a
@@ -84,11 +84,11 @@ class CalibrationMonitor {
   /// compared with (`MonitorReport::gain`); or none.
   void set_alternative(const std::optional<Eigen::Isometry3d>& T_camera_lidar);
 
-  const Eigen::Isometry3d& T_camera_lidar() const { return T_camera_lidar_; }
-  const SceneStore& scenes() const { return scene_store_; }
+  const Eigen::Isometry3d& T_camera_lidar() const { return T_camera_lidar_; }  ///< in use
+  const SceneStore& scenes() const { return scene_store_; }                    ///< that are kept
   /// Mutable access, for removing outdated scenes.
   SceneStore& scenes() { return scene_store_; }
-  const DriftDetector& detector() const { return detector_; }
+  const DriftDetector& detector() const { return detector_; }  ///< the evidence
 
  private:
   const char* reason_to_skip(const CameraFrame& grey, const Motion& motion);

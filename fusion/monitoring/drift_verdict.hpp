@@ -20,7 +20,7 @@ enum class Drift : uint8_t {
 
 /// Verdict on a calibration: the one type from the detector to the reports.
 struct DriftVerdict {
-  Drift drift = Drift::kLearning;
+  Drift drift = Drift::kLearning;     ///< the state
   Axis axis = Axis::kRotationX;       ///< axis with the most evidence, not a wide variant
   double evidence = 0;                ///< nats, along that axis
   double threshold = 0;               ///< nats, at which a drift is confirmed
@@ -34,8 +34,9 @@ struct DriftVerdict {
   double delay = 0;       ///< s; estimated delay of the camera's stamps after its exposures
   /// Axis along which a delay cannot be separated from a displaced camera.
   std::optional<Axis> delay_ambiguous_axis;
-  CameraFault fault = CameraFault::kNone;
+  CameraFault fault = CameraFault::kNone;  ///< beside the pose
 
+  /// True if a drift is suspected or confirmed.
   bool drifting() const { return drift == Drift::kSuspected || drift == Drift::kConfirmed; }
 
   /// Sets the fault that the images show; without one, a drift along time is a late camera.

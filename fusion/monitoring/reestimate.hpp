@@ -28,7 +28,7 @@ struct ReestimateOptions {
 /// Result of a re-estimation from stored scenes.
 struct Reestimate {
   Eigen::Isometry3d T_initial = Eigen::Isometry3d::Identity();  ///< calibration it started from
-  Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();  ///< the result
   /// Covariance of a left perturbation (rx, ry, rz, tx, ty, tz), rad and m.
   geometry::Matrix6 covariance = geometry::Matrix6::Identity();
   double moved = 0;  ///< Mahalanobis distance from the current calibration
@@ -38,7 +38,7 @@ struct Reestimate {
   double support = 0;  ///< share of small wrong rotations that fit worse
   std::string reason;  ///< why the result cannot be used; empty if it can
 
-  bool usable() const { return reason.empty(); }
+  bool usable() const { return reason.empty(); }  ///< it may be used
 };
 
 /// Re-estimates T_camera_lidar from stored scenes of one camera: `calibration::calibrate` from the

@@ -23,9 +23,9 @@ struct OdometryReport {
   double speed_sigma = 0;     ///< m/s, standard deviation of `speed`
   double yaw_rate_sigma = 0;  ///< rad/s, of the angular velocity about z
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< rad/s, vehicle frame
-  bool standing = false;
-  std::array<SourceRecord, kOdometrySources> sources;
-  std::array<bool, kOdometrySources> carries{};  ///< a sample was accepted recently
+  bool standing = false;                                       ///< the vehicle stands
+  std::array<SourceRecord, kOdometrySources> sources;          ///< by `OdometrySource`
+  std::array<bool, kOdometrySources> carries{};                ///< a sample was accepted recently
   uint64_t late = 0;             ///< samples older than the filter's time on arrival
   uint64_t outliers = 0;         ///< samples rejected as inconsistent with the motion
   uint64_t invalid_samples = 0;  ///< samples without a finite quantity, or with an isolated stamp
@@ -51,9 +51,9 @@ class OdometryFilter {
 
   /// Adds a sample; samples come roughly in time order.
   void add(const WheelOdometry& sample);
-  void add(const ImuSample& sample);
-  void add(const AngularVelocity& sample);
-  void add(const GnssFix& fix);
+  void add(const ImuSample& sample);        ///< as above
+  void add(const AngularVelocity& sample);  ///< as above
+  void add(const GnssFix& fix);             ///< as above
 
   /// Requests a pose of the trajectory at exactly this time and, with `clone`, a clone for a later
   /// `RelativePose`. As for samples, the time must not be before the filter's.
@@ -73,7 +73,7 @@ class OdometryFilter {
 
   /// Returns why the filter is unusable now, as static text; empty if it is usable.
   const char* reason() const;
-  bool usable() const { return *reason() == '\0'; }
+  bool usable() const { return *reason() == '\0'; }  ///< there is no reason against it
 
   /// True if a sample of a source was accepted recently.
   bool carries(OdometrySource source) const { return sources_.carries(source, now_); }
@@ -88,6 +88,7 @@ class OdometryFilter {
     return carries(OdometrySource::kWheels) || carries(OdometrySource::kSpeed);
   }
 
+  /// What is estimated, and what was left out.
   OdometryReport report() const;
 
  private:

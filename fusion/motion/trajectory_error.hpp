@@ -13,15 +13,15 @@ inline constexpr std::array<double, 8> kKittiLengths{100, 200, 300, 400, 500, 60
 
 /// Estimated pose and true pose at the same time.
 struct PosePair {
-  Stamp stamp;
-  Eigen::Isometry3d estimate = Eigen::Isometry3d::Identity();
-  Eigen::Isometry3d truth = Eigen::Isometry3d::Identity();
+  Stamp stamp;                                                 ///< of both
+  Eigen::Isometry3d estimate = Eigen::Isometry3d::Identity();  ///< estimated pose
+  Eigen::Isometry3d truth = Eigen::Isometry3d::Identity();     ///< true pose
 };
 
 /// Root mean square, mean, median, maximum and number of errors.
 struct ErrorStatistics {
-  size_t count = 0;
-  double rms = 0, mean = 0, median = 0, max = 0;
+  size_t count = 0;                               ///< number of errors
+  double rms = 0, mean = 0, median = 0, max = 0;  ///< of the errors
 };
 
 /// Alignment of the estimated positions before the comparison.
@@ -40,7 +40,7 @@ struct AbsoluteError {
   double scale = 1;                                                    ///< of the alignment
   const char* reason = "";  ///< static text: why there is no result; empty if there is one
 
-  bool usable() const { return *reason == '\0'; }
+  bool usable() const { return *reason == '\0'; }  ///< there is a result
 };
 
 /// Relative error over a fixed time span, TUM's convention.
@@ -49,7 +49,7 @@ struct RelativeError {
   ErrorStatistics rotation;     ///< rad
   const char* reason = "";      ///< static text; empty if there is a result
 
-  bool usable() const { return *reason == '\0'; }
+  bool usable() const { return *reason == '\0'; }  ///< there is a result
 };
 
 /// Mean error over all segments of one length, KITTI's convention.
@@ -68,7 +68,7 @@ struct KittiError {
   size_t count = 0;                    ///< number of segments
   const char* reason = "";             ///< static text; empty if there is a result
 
-  bool usable() const { return *reason == '\0'; }
+  bool usable() const { return *reason == '\0'; }  ///< there is a result
 };
 
 /// Pairs each estimated pose with the true pose at its time. The truth is interpolated on SE(3)

@@ -13,8 +13,8 @@ namespace infuse::places {
 struct LocaliserOptions {
   mapping::KeyframeOptions keyframes{.distance = 4, .rotation = 0.4};  ///< what is compared with
                                                                        ///< the map, so often
-  mapping::SubmapOptions submaps;
-  PlaceMatcherOptions matcher;
+  mapping::SubmapOptions submaps;                                      ///< of what was seen
+  PlaceMatcherOptions matcher;                                         ///< of places
   /// Probability of a place that is recognised without a guess, and that what was seen since then
   /// confirms it: the error probability of Wald's sequential test is 1 in 1000 either way.
   double min_probability = 0.999;
@@ -41,16 +41,16 @@ const char* name_of(LocaliserState state);
 
 /// Where the vehicle is on the map, as of a sweep.
 struct LocaliserPose {
-  Stamp stamp;
-  LocaliserState state = LocaliserState::kLost;
-  Eigen::Isometry3d T_map_vehicle = Eigen::Isometry3d::Identity();
+  Stamp stamp;                                                      ///< of the sweep
+  LocaliserState state = LocaliserState::kLost;                     ///< how far it can be trusted
+  Eigen::Isometry3d T_map_vehicle = Eigen::Isometry3d::Identity();  ///< the pose
   /// Right perturbation in the vehicle frame, (rx, ry, rz, tx, ty, tz), rad and m.
   geometry::Matrix6 covariance = geometry::Matrix6::Zero();
   const char* reason = "no sweep yet";  ///< static text; empty while TRACKING
   PlaceProbabilities place;             ///< of the last search, which a recognised place ends
   bool verified = false;                ///< the map confirmed it at this sweep
 
-  bool usable() const { return state == LocaliserState::kTracking; }
+  bool usable() const { return state == LocaliserState::kTracking; }  ///< it may be used
 };
 
 /// Finds a vehicle on a map of keyframes from nothing, and tracks it there. Submaps of what the

@@ -9,16 +9,17 @@ namespace infuse::places {
 
 /// A place that looks like the one sought.
 struct PlaceCandidate {
-  size_t place = 0;  ///< index
-  PlaceSimilarity similarity;
+  size_t place = 0;            ///< index
+  PlaceSimilarity similarity;  ///< how alike
 };
 
 /// Places of a map, searched by what they look like.
 class PlaceIndex {
  public:
+  /// Builds the search.
   explicit PlaceIndex(std::vector<PlaceDescriptor> places);
 
-  size_t size() const { return places_.size(); }
+  size_t size() const { return places_.size(); }  ///< number of places
 
   /// Returns at most `count` places, the most alike first: those with the nearest keys, compared in
   /// full. 10 000 places take a millisecond or two.

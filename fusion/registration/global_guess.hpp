@@ -11,10 +11,10 @@ namespace infuse::registration {
 
 /// Settings of the global guess.
 struct GlobalGuessOptions {
-  double voxel_size = 0.5;      ///< m, grid of the points
-  features::FpfhOptions fpfh;   ///< of the features
-  size_t max_keypoints = 3000;  ///< of each scan, the most distinctive ones
-  RigidConsensusOptions consensus{.hypotheses = 12};
+  double voxel_size = 0.5;                            ///< m, grid of the points
+  features::FpfhOptions fpfh;                         ///< of the features
+  size_t max_keypoints = 3000;                        ///< of each scan, the most distinctive ones
+  RigidConsensusOptions consensus{.hypotheses = 12};  ///< of the features
   double min_agreement = 0.85;  ///< share of the points that a scan can judge and supports
   double min_lead = 0.2;  ///< by which every other pose's score is lower, as a share of the best
   double min_overlap = 0.25;  ///< share of all points that are supported

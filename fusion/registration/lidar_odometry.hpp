@@ -32,7 +32,7 @@ struct LidarOdometryResult {
   /// motion is not usable, but closer than the guess. Deskewing by it and aligning again may help.
   bool unsettled = false;
 
-  bool usable() const { return *reason == '\0'; }
+  bool usable() const { return *reason == '\0'; }  ///< it may be used
 };
 
 /// Odometry from a lidar alone: each sweep is registered to a local map of the sweeps before

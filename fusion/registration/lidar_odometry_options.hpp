@@ -9,7 +9,7 @@ namespace infuse::registration {
 
 /// Settings of the lidar odometry.
 struct LidarOdometryOptions {
-  VoxelMapOptions map;
+  VoxelMapOptions map;                 ///< the local map
   double min_range = 2.5;              ///< m; nearer returns are the vehicle's own
   double map_voxel_size = 0.25;        ///< m; a sweep adds one point per voxel to the map
   double match_voxel_size = 1.5;       ///< m; a sweep is registered by one point per voxel …
@@ -18,8 +18,8 @@ struct LidarOdometryOptions {
   double radius = 1.0;        ///< m; planes of the map are fitted to points within it, at first …
   double final_radius = 0.6;  ///< m; … and in the last iterations
   double robust_width = 0.1;  ///< m; distance from its plane at which a point counts a quarter
-  double first_robust_width = 0.5;  ///< m; the same in the first iteration
-  int max_iterations = 20;
+  double first_robust_width = 0.5;      ///< m; the same in the first iteration
+  int max_iterations = 20;              ///< of a sweep
   double rotation_tolerance = 1e-4;     ///< rad; a step smaller than both tolerances is the last
   double translation_tolerance = 1e-3;  ///< m
   size_t min_inliers = 100;             ///< fewer points on planes give no pose

@@ -11,8 +11,8 @@ namespace infuse::registration {
 
 /// A cloud that is prepared for registration: downsampled, with its local planes and its tree.
 struct PreparedCloud {
-  PointCloud cloud;
-  NeighbourSearch search;
+  PointCloud cloud;        ///< points and planes
+  NeighbourSearch search;  ///< the tree
 };
 
 /// Builds the search of a cloud, whose points it puts into the order of the leaves, so that points

@@ -11,7 +11,7 @@ namespace infuse::registration {
 
 /// Pose of one cloud in the frame of another, or the reason why it is not known.
 struct RegistrationResult {
-  Eigen::Isometry3d T_target_source = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_target_source = Eigen::Isometry3d::Identity();  ///< the pose
   /// Inverse of `covariance`, without information in the free directions.
   geometry::Matrix6 information = geometry::Matrix6::Zero();
   /// Left perturbation in the target frame, (rx, ry, rz, tx, ty, tz), rad and m; in the free
@@ -21,8 +21,8 @@ struct RegistrationResult {
   /// directions: unit twists about the middle of the inliers, in units of the inliers' displacement
   /// (root mean square, m). The pose keeps the guess there.
   int free_directions = 0;
-  std::array<geometry::Vector6, 6> free{};
-  double rms = 0;          ///< m, of the inliers' distances from the planes
+  std::array<geometry::Vector6, 6> free{};  ///< the first `free_directions`
+  double rms = 0;                           ///< m, of the inliers' distances from the planes
   size_t inliers = 0;      ///< points of the source with a counterpart in the target
   size_t points = 0;       ///< points of the source
   int iterations = 0;      ///< Gauss–Newton steps

@@ -32,7 +32,7 @@ struct PlanarPose {
     return {c * dx + s * dy, -s * dx + c * dy, wrap_angle(other.yaw - yaw)};
   }
 
-  bool operator==(const PlanarPose&) const = default;
+  bool operator==(const PlanarPose&) const = default;  ///< of all
 };
 
 }  // namespace infuse::streetmap

@@ -35,12 +35,12 @@ enum class StreetLevels : uint8_t {
 /// Region or line of a street map with its own id, I 3.2.1. Where there are streets on other
 /// levels, an element has a second and a third segment, with the same kind and element.
 struct Segment {
-  SegmentKind kind = SegmentKind::kOpenLand;
-  int64_t osm_id = 0;  ///< id of the OpenStreetMap way or relation; 0: none
-  int8_t layer = 0;    ///< level of a street, as `PlanStrip::layer`
-  StreetLevels levels = StreetLevels::kOne;
+  SegmentKind kind = SegmentKind::kOpenLand;  ///< what it is
+  int64_t osm_id = 0;                         ///< id of the OpenStreetMap way or relation; 0: none
+  int8_t layer = 0;                           ///< level of a street, as `PlanStrip::layer`
+  StreetLevels levels = StreetLevels::kOne;   ///< beside it
 
-  bool operator==(const Segment&) const = default;
+  bool operator==(const Segment&) const = default;  ///< of all
 };
 
 }  // namespace infuse::streetmap

@@ -21,7 +21,7 @@ struct MapFrame {
   double cell_size = 0.2;            ///< m, edge of a cell
   Eigen::Vector2d min_corner{0, 0};  ///< m, south-west corner of the raster
 
-  bool operator==(const MapFrame&) const = default;
+  bool operator==(const MapFrame&) const = default;  ///< of all members
 };
 
 /// Raster of segment ids, read in place from bytes that the caller keeps (a memory-mapped file):
@@ -42,10 +42,10 @@ class SegmentMap {
   /// bytes must outlive the map and must not change.
   static Result<SegmentMap> open(std::span<const std::byte> bytes, const std::string& file);
 
-  const MapFrame& frame() const { return frame_; }
+  const MapFrame& frame() const { return frame_; }           ///< where the raster lies
   int columns() const { return tile_columns_ * kTileSize; }  ///< cells from west to east
   int rows() const { return tile_rows_ * kTileSize; }        ///< cells from south to north
-  bool empty() const { return tile_columns_ == 0; }
+  bool empty() const { return tile_columns_ == 0; }          ///< open land alone
 
   /// Number of segments; ids are 0 … segment_count() − 1, id 0 is open land.
   uint32_t segment_count() const { return segment_count_; }

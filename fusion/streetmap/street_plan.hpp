@@ -13,8 +13,8 @@ using Polyline = std::vector<Eigen::Vector2d>;
 /// Area along a line: a street, a footway, a crossing; or, with the kind kWater, the water on the
 /// right of a coastline.
 struct PlanStrip {
-  Segment segment;
-  Polyline points;
+  Segment segment;                  ///< what it is
+  Polyline points;                  ///< the line
   double half_width = 0;            ///< m
   double kerb_width = 0;            ///< m, width of the boundary line outside the edge; 0: none
   double left_sidewalk_width = 0;   ///< m, width of the pavement outside the kerb that the map does
@@ -26,18 +26,18 @@ struct PlanStrip {
 
 /// Area within rings (even-odd rule, so rings within rings are holes).
 struct PlanArea {
-  Segment segment;
+  Segment segment;              ///< what it is
   std::vector<Polyline> rings;  ///< without the repeated first point
   double wall_width = 0;        ///< m, width of the boundary line along the rings; 0: none
 };
 
 /// Street map as lines and areas.
 struct StreetPlan {
-  double latitude = 0;   ///< rad, WGS 84, of the origin
-  double longitude = 0;  ///< rad
-  std::vector<PlanStrip> strips;
-  std::vector<PlanArea> areas;
-  Eigen::AlignedBox2d limit;  ///< m, nothing is drawn outside; empty: no limit
+  double latitude = 0;            ///< rad, WGS 84, of the origin
+  double longitude = 0;           ///< rad
+  std::vector<PlanStrip> strips;  ///< lines
+  std::vector<PlanArea> areas;    ///< areas
+  Eigen::AlignedBox2d limit;      ///< m, nothing is drawn outside; empty: no limit
 };
 
 /// Area of a ring, m²; positive if counter-clockwise.

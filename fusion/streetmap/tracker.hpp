@@ -33,7 +33,7 @@ const char* name_of(TrackState state);
 struct TrackerEstimate {
   PlanarPose pose;                                           ///< map frame
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of x, y (m, map frame), yaw (rad)
-  TrackState state = TrackState::kLost;
+  TrackState state = TrackState::kLost;                      ///< how far it can be trusted
   const char* reason = "";  ///< static text: why the pose is not certain; empty while TRACKING
   double score = 0;         ///< SMI at the pose, last update
   double p_value = 1;       ///< p-value of the scores of the last updates
@@ -46,11 +46,12 @@ struct TrackerEstimate {
   bool gnss_contradicts = false;  ///< fixes contradict the pose, for some seconds
   bool on_map = false;            ///< the pose lies on the map
   int updates = 0;                ///< views that were compared with the map since the start
-  int particles = 0;
-  int hypotheses = 0;  ///< of the search on all streets; 0: there is none at present
+  int particles = 0;              ///< number of particles
+  int hypotheses = 0;             ///< of the search on all streets; 0: there is none at present
 
   /// True unless the track is lost.
   bool usable() const { return state != TrackState::kLost; }
+  /// The pose in space, on the ground.
   Eigen::Isometry3d T_map_vehicle() const;
   /// Order (rx, ry, rz, tx, ty, tz), left perturbation in the map frame. Roll, pitch and height are
   /// not estimated: their variances are 0.05² rad² and 1 m².

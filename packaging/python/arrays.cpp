@@ -1,5 +1,6 @@
 #include "packaging/python/arrays.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 
 #include "drivers/recording/rigid_matrix.hpp"
@@ -120,6 +121,18 @@ Eigen::Isometry3d to_pose(const py::handle& argument, const char* name) {
   return *pose;
 }
 
+std::vector<Eigen::Isometry3d> to_poses(const py::handle& argument) {
+  const py::array given = numbers(argument, "poses");
+  if (given.ndim() != 3 || given.shape(1) != 4 || given.shape(2) != 4) {
+    throw py::value_error("poses: the shape is not (N, 4, 4)");
+  }
+  std::vector<Eigen::Isometry3d> out;
+  for (py::ssize_t k = 0; k < given.shape(0); ++k) {
+    out.push_back(to_pose(given[py::int_(k)], "poses"));
+  }
+  return out;
+}
+
 Eigen::MatrixXd to_matrix(const py::handle& argument, const char* name) {
   const py::array given = numbers(argument, name);
   if (given.ndim() != 1 && given.ndim() != 2) wrong_shape(name, "(N,) or (N, d)", given);
@@ -130,6 +143,36 @@ Eigen::MatrixXd to_matrix(const py::handle& argument, const char* name) {
   return Eigen::Map<const Eigen::Matrix<double, -1, -1, Eigen::RowMajor>>(rows.data(),
                                                                           rows.shape(0), columns);
 }
+
+template <int n>
+Eigen::Matrix<double, n, 1> to_fixed(const py::handle& argument, const char* name) {
+  const std::vector<double> values = to_vector<double>(argument, name);
+  if (values.size() != n) {
+    throw py::value_error(std::string(name) + ": " + std::to_string(values.size()) +
+                          " numbers, not " + std::to_string(n));
+  }
+  return Eigen::Map<const Eigen::Matrix<double, n, 1>>(values.data());
+}
+template Eigen::Matrix<double, 2, 1> to_fixed<2>(const py::handle&, const char*);
+template Eigen::Matrix<double, 3, 1> to_fixed<3>(const py::handle&, const char*);
+template Eigen::Matrix<double, 6, 1> to_fixed<6>(const py::handle&, const char*);
+
+template <int n>
+Eigen::Matrix<double, n, n> to_covariance(const py::handle& argument, const char* name) {
+  const Eigen::MatrixXd matrix = to_matrix(argument, name);
+  if (matrix.rows() != n || matrix.cols() != n) {
+    throw py::value_error(std::string(name) + ": not " + std::to_string(n) + " by " +
+                          std::to_string(n));
+  }
+  const double rounding = 1e-9 * matrix.norm();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solved(matrix, Eigen::EigenvaluesOnly);
+  if (!((matrix - matrix.transpose()).norm() <= rounding) ||
+      !(solved.eigenvalues().minCoeff() >= -rounding)) {
+    throw py::value_error(std::string(name) + ": no covariance");
+  }
+  return matrix;
+}
+template Eigen::Matrix<double, 3, 3> to_covariance<3>(const py::handle&, const char*);
 
 py::array_t<double> to_array(const Eigen::MatrixXd& matrix) {
   py::array_t<double> array({matrix.rows(), matrix.cols()});

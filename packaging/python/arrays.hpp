@@ -89,8 +89,19 @@ class Points {
 /// 4 × 4 rigid motion; None is the identity. ValueError: another shape, not rigid.
 Eigen::Isometry3d to_pose(const py::handle& argument, const char* name);
 
+/// N × 4 × 4 rigid motions, the argument `poses`.
+std::vector<Eigen::Isometry3d> to_poses(const py::handle& argument);
+
 /// N × d matrix of finite numbers, a row for each sample; a vector is one column.
 Eigen::MatrixXd to_matrix(const py::handle& argument, const char* name);
+
+/// N × N symmetric matrix without negative eigenvalues: a covariance. ValueError: another.
+template <int n>
+Eigen::Matrix<double, n, n> to_covariance(const py::handle& argument, const char* name);
+
+/// Vector of n finite numbers.
+template <int n>
+Eigen::Matrix<double, n, 1> to_fixed(const py::handle& argument, const char* name);
 
 /// 4 × 4 matrix.
 py::array_t<double> to_array(const Eigen::Isometry3d& pose);

@@ -12,5 +12,7 @@ void bind_registration(pybind11::module_& module);
 void bind_dependence(pybind11::module_& module);
 void bind_motion(pybind11::module_& module);
 void bind_calibration(pybind11::module_& module);
+void bind_monitoring(pybind11::module_& module);
+void bind_streetmap(pybind11::module_& module);
 
 }  // namespace infuse::python

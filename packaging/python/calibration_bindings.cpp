@@ -28,6 +28,35 @@ std::shared_ptr<ScenePairs> read_pairs(const std::vector<std::string>& drives,
       [](double) {})));
 }
 
+void each_pair(const std::string& drive, const py::function& on_pair, const std::string& camera,
+               const std::string& lidar) {
+  daemon::SceneRequest request{.drives = {drive}, .cameras = {camera}, .lidar = lidar};
+  request.max_scenes = std::numeric_limits<int>::max();
+  std::optional<py::error_already_set> raised;
+  const auto consume = [&](ScenePairs&, daemon::ScenePair& pair) -> Result<void> {
+    const py::gil_scoped_acquire acquire;
+    try {
+      py::object twist = py::none();
+      if (pair.twist) twist = py::array_t<double>(6, pair.twist->data());
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      on_pair(py::cast(std::move(pair.frame)), py::cast(std::move(pair.sweep)), twist);
+    } catch (py::error_already_set& error) {
+      raised.emplace(std::move(error));
+      return fail("stopped");
+    }
+    pair.release();
+    return {};
+  };
+  Result<ScenePairs> read;
+  {
+    const py::gil_scoped_release release;
+    read = daemon::read_scene_pairs(
+        request, [](double) {}, consume);
+  }
+  if (raised) throw std::move(*raised);
+  value_or_raise(std::move(read));
+}
+
 std::shared_ptr<ScenePairs> make_pairs(const std::vector<const Sweep*>& sweeps,
                                        const std::vector<const CameraFrame*>& images,
                                        const CameraIntrinsics& intrinsics) {
@@ -128,18 +157,33 @@ std::shared_ptr<ComparedExtrinsics> compare(const ScenePairs& pairs, const py::o
   return std::make_shared<ComparedExtrinsics>(daemon::compare_on(pairs, scenes, before, after));
 }
 
-std::vector<double> evaluate(const ScenePairs& pairs, const py::object& given,
-                             const std::string& name, double sigma, size_t max_points) {
-  const auto& measure = measure_of(name);
-  std::vector<Eigen::Isometry3d> poses;
-  const py::array array = numbers(given, "poses");
-  if (array.ndim() != 3) throw py::value_error("poses: the shape is not (K, 4, 4)");
-  for (py::ssize_t k = 0; k < array.shape(0); ++k) {
-    poses.push_back(to_pose(array[py::int_(k)], "poses"));
+/// A user's measure of the samples that a term compares at a pose; those without an image are left
+/// out.
+double call_measure(const py::function& measure, calibration::Objective& objective,
+                    const Eigen::Isometry3d& pose) {
+  auto [lidar, image] = [&] {
+    const py::gil_scoped_release release;
+    return objective.samples(pose, 0);
+  }();
+  size_t kept = 0;
+  for (size_t k = 0; k < image.size(); ++k) {
+    if (std::isnan(image[k]) || std::isnan(lidar[k])) continue;
+    lidar[kept] = lidar[k], image[kept] = image[k], ++kept;
   }
+  const auto n = static_cast<py::ssize_t>(kept);
+  return measure(py::array_t<float>(n, lidar.data()), py::array_t<float>(n, image.data()))
+      .cast<double>();
+}
+
+std::vector<double> evaluate(const ScenePairs& pairs, const py::object& given,
+                             const py::object& wanted, const std::string& features, double sigma,
+                             size_t max_points) {
+  const bool own = py::isinstance<py::function>(wanted);
+  const auto& measure = measure_of(own ? features : wanted.cast<std::string>());
+  const std::vector<Eigen::Isometry3d> poses = to_poses(given);
   if (poses.empty()) throw py::value_error("poses: there are none");
   if (!(sigma >= 0 && sigma <= 100)) throw py::value_error("sigma: not in 0 ... 100 px");
-  const py::gil_scoped_release release;
+  std::optional<py::gil_scoped_release> released(std::in_place);
   const auto scenes = value_or_raise(daemon::make_scenes(pairs, measure, poses[poses.size() / 2]));
   const auto cameras = daemon::rig_cameras(pairs);
   calibration::VisibilityOptions visibility;
@@ -149,9 +193,11 @@ std::vector<double> evaluate(const ScenePairs& pairs, const py::object& given,
   const calibration::BlurredImages images(scenes, cameras, measure.terms,
                                           calibration::ImageBlur::in_angle(sigma));
   calibration::Objective objective(points, images, cameras, scenes, measure.terms);
+  if (own) released.reset();
   std::vector<double> values;
   for (const Eigen::Isometry3d& pose : poses) {
-    values.push_back(objective.evaluate(pose, false).estimate.value);
+    values.push_back(own ? call_measure(wanted, objective, pose)
+                         : objective.evaluate(pose, false).estimate.value);
   }
   return values;
 }
@@ -282,6 +328,12 @@ void bind_calibration(py::module_& parent) {
              py::arg("max_scenes") = 20,
              "Reads Pairs of drives of one rig, as `infuse calibrate` does. cameras: names, the "
              "reference camera first; empty: the only one. Error: what cannot be read.");
+  module.def(
+      "each_pair", &each_pair, py::arg("drive"), py::arg("on_pair"), py::kw_only(),
+      py::arg("camera") = "", py::arg("lidar") = "",
+      "Calls on_pair(image, sweep, twist) for each image of a camera, in order of time, with "
+      "the sweep nearest to it, deskewed to its exposure. twist: (6,), rad/s and m/s, of the "
+      "lidar in its own frame; None: not known. What on_pair raises ends it.");
   module.def("make_pairs", &make_pairs, py::arg("sweeps"), py::arg("images"), py::arg("intrinsics"),
              "Pairs of your own: as many Sweeps, deskewed to the exposures and with ring and "
              "column, as Images of one camera.");
@@ -294,9 +346,13 @@ void bind_calibration(py::module_& parent) {
   module.def("compare", &compare, py::arg("pairs"), py::arg("T_old"), py::arg("T_new"),
              "Compares two poses on pairs from which neither was estimated: see Pairs.split().");
   module.def("evaluate", &evaluate, py::arg("pairs"), py::arg("poses"), py::kw_only(),
-             py::arg("measure") = "joint", py::arg("sigma") = 2.0, py::arg("max_points") = 60'000,
-             "The measure at poses T_refcam_lidar, (K, 4, 4), on the points in view at all of "
-             "them, with images blurred by sigma px. A list of K numbers.");
+             py::arg("measure") = "joint", py::arg("features") = "mi", py::arg("sigma") = 2.0,
+             py::arg("max_points") = 60'000,
+             "A measure at poses T_refcam_lidar, (K, 4, 4), on the points in view at all of them, "
+             "with images blurred by sigma px. A list of K numbers.\n\n"
+             "measure: a name, or a function of (n,) lidar and (n,) image samples, float32, that "
+             "returns a number: a measure of your own. features: the named measure whose first "
+             "pair of features such a function compares.");
   module.def("project", &project, py::arg("points"), py::arg("intrinsics"),
              py::arg("T_camera_lidar"),
              "((N, 2) float32 pixels u, v, NaN where the camera model does not project; (N,) depth "

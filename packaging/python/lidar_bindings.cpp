@@ -7,6 +7,7 @@
 #include "drivers/recording/pcap_reader.hpp"
 #include "packaging/python/arrays.hpp"
 #include "packaging/python/bindings.hpp"
+#include "packaging/python/sweep_memory.hpp"
 
 namespace infuse::python {
 namespace {
@@ -46,7 +47,7 @@ class Decoder {
  private:
   std::vector<Sweep> pull() {
     std::vector<Sweep> sweeps;
-    while (decoder_->pull(sweep_)) sweeps.push_back(std::exchange(sweep_, {}));
+    while (decoder_->pull(sweep_)) sweeps.push_back(std::exchange(sweep_, recycled_sweep()));
     return sweeps;
   }
 
@@ -73,7 +74,7 @@ class DecodedCapture {
       found = read();
     }
     if (!found) throw py::stop_iteration();
-    return std::exchange(sweep_, {});
+    return std::exchange(sweep_, recycled_sweep());
   }
 
  private:

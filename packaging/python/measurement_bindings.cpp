@@ -6,6 +6,7 @@
 #include "drivers/measurement/vehicle_samples.hpp"
 #include "packaging/python/arrays.hpp"
 #include "packaging/python/bindings.hpp"
+#include "packaging/python/sweep_memory.hpp"
 
 namespace infuse::python {
 namespace {
@@ -72,14 +73,15 @@ Sweep make_sweep(const py::object& given, int64_t stamp_ns, const py::object& ti
 }
 
 void bind_sweep(py::module_& module) {
-  py::class_<Sweep>(module, "Sweep",
-                    "One turn of a lidar: arrays of one entry per return, in order of firing, not "
-                    "writable and not copied.\n\n"
-                    "x, y, z: (N,) float32, m, lidar frame at the moment of each return. "
-                    "range: m. reflectivity: 0 ... 1. ring: uint16, beams from below. "
-                    "column: uint16, firings. time_offset_ns: int32, after stamp_ns. "
-                    "return_kind: uint8, 0 strongest, 1 last, 2 both, 3 first, 4 second, "
-                    "5 second strongest.")
+  py::class_<Sweep, std::unique_ptr<Sweep, SweepRecycler>>(
+      module, "Sweep",
+      "One turn of a lidar: arrays of one entry per return, in order of firing, not "
+      "writable and not copied.\n\n"
+      "x, y, z: (N,) float32, m, lidar frame at the moment of each return. "
+      "range: m. reflectivity: 0 ... 1. ring: uint16, beams from below. "
+      "column: uint16, firings. time_offset_ns: int32, after stamp_ns. "
+      "return_kind: uint8, 0 strongest, 1 last, 2 both, 3 first, 4 second, "
+      "5 second strongest.")
       .def(py::init(&make_sweep), py::arg("points"), py::kw_only(), py::arg("stamp_ns") = 0,
            py::arg("time_offset_ns") = py::none(), py::arg("ring") = py::none(),
            py::arg("column") = py::none(), py::arg("reflectivity") = py::none(),

@@ -19,4 +19,6 @@ PYBIND11_MODULE(_infuse, module) {
   bind_registration(module);
   bind_dependence(module);
   bind_calibration(module);
+  bind_monitoring(module);
+  bind_streetmap(module);
 }

@@ -1,5 +1,8 @@
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
+#include "drivers/recording/atomic_file.hpp"
+#include "drivers/recording/trajectory_file.hpp"
 #include "fusion/motion/deskew.hpp"
 #include "fusion/motion/odometry_filter.hpp"
 #include "packaging/python/arrays.hpp"
@@ -10,25 +13,62 @@ namespace {
 
 using geometry::Trajectory;
 
-std::shared_ptr<Trajectory> make_trajectory(const py::object& stamps_ns, const py::object& poses,
-                                            int64_t max_gap_ns) {
+std::vector<recording::TrajectoryPose> to_lines(const py::object& stamps_ns,
+                                                const py::object& poses) {
   const auto stamps = to_vector<int64_t>(stamps_ns, "stamps_ns");
-  const py::array given = numbers(poses, "poses");
-  if (given.ndim() != 3 || given.shape(1) != 4 || given.shape(2) != 4 ||
-      static_cast<size_t>(given.shape(0)) != stamps.size()) {
-    throw py::value_error("poses: the shape is not (N, 4, 4) with as many as stamps");
-  }
-  if (stamps.empty()) throw py::value_error("stamps_ns: there are none");
-  geometry::TrajectoryOptions options;
-  options.capacity = stamps.size();
-  options.max_gap = Duration(max_gap_ns);
-  auto trajectory = std::make_shared<Trajectory>(require_valid(options));
+  const auto given = to_poses(poses);
+  if (given.size() != stamps.size()) throw py::value_error("poses: not as many as stamps");
+  std::vector<recording::TrajectoryPose> lines;
   for (size_t k = 0; k < stamps.size(); ++k) {
-    const geometry::StampedPose pose{.stamp = Stamp::from_ns(stamps[k]),
-                                     .T_odom_vehicle = to_pose(given[py::int_(k)], "poses")};
-    if (!trajectory->append(pose)) {
+    if (k > 0 && stamps[k] <= stamps[k - 1]) {
       throw py::value_error("stamps_ns: " + std::to_string(k) + " is not after the one before");
     }
+    lines.push_back({Stamp::from_ns(stamps[k]), given[k]});
+  }
+  return lines;
+}
+
+void write_text(const std::filesystem::path& path, const std::string& text) {
+  const py::gil_scoped_release release;
+  value_or_raise(recording::write_file_atomically(path, std::as_bytes(std::span(text))));
+}
+
+void write_tum(const std::filesystem::path& path, const py::object& stamps_ns,
+               const py::object& poses) {
+  write_text(path, recording::format_tum(to_lines(stamps_ns, poses)));
+}
+
+void write_kitti(const std::filesystem::path& path, const py::object& poses) {
+  std::vector<recording::TrajectoryPose> lines;
+  for (const auto& pose : to_poses(poses)) {
+    lines.push_back({Stamp::from_ns(static_cast<int64_t>(lines.size())), pose});
+  }
+  write_text(path, recording::format_kitti(lines));
+}
+
+py::tuple read_trajectory(const std::filesystem::path& path) {
+  const auto lines = value_or_raise(recording::read_trajectory(path));
+  const auto n = static_cast<py::ssize_t>(lines.size());
+  py::array_t<int64_t> stamps(n);
+  py::array_t<double> poses({n, py::ssize_t{4}, py::ssize_t{4}});
+  for (size_t k = 0; k < lines.size(); ++k) {
+    stamps.mutable_data()[k] = lines[k].stamp.ns();
+    Eigen::Map<Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(poses.mutable_data() + 16 * k) =
+        lines[k].T_frame_body.matrix();
+  }
+  return py::make_tuple(stamps, poses);
+}
+
+std::shared_ptr<Trajectory> make_trajectory(const py::object& stamps_ns, const py::object& given,
+                                            int64_t max_gap_ns) {
+  const auto lines = to_lines(stamps_ns, given);
+  if (lines.empty()) throw py::value_error("stamps_ns: there are none");
+  geometry::TrajectoryOptions options;
+  options.capacity = lines.size();
+  options.max_gap = Duration(max_gap_ns);
+  auto trajectory = std::make_shared<Trajectory>(require_valid(options));
+  for (const recording::TrajectoryPose& line : lines) {
+    trajectory->append({.stamp = line.stamp, .T_odom_vehicle = line.T_frame_body});
   }
   return trajectory;
 }
@@ -157,6 +197,15 @@ void bind_motion(py::module_& parent) {
              "Moves each return to where it would have been measured at reference_ns (the sweep's "
              "end), in the lidar frame of that time. Error: the trajectory does not cover the "
              "sweep, or it has no times.");
+  module.def("write_tum", &write_tum, py::arg("path"), py::arg("stamps_ns"), py::arg("poses"),
+             "Writes a trajectory as evo and the TUM benchmark have it: seconds, position, "
+             "quaternion. stamps_ns: (N,), rising. poses: (N, 4, 4).");
+  module.def("write_kitti", &write_kitti, py::arg("path"), py::arg("poses"),
+             "Writes poses, (N, 4, 4), as the KITTI odometry benchmark has them: no stamps.");
+  module.def(
+      "read_trajectory", &read_trajectory, py::arg("path"),
+      "Reads a trajectory in TUM or KITTI format: (stamps_ns (N,), poses (N, 4, 4)). KITTI's "
+      "stamps are the poses' numbers. Error: a line that is neither, and which.");
   const motion::OdometryOptions defaults;
   py::class_<Odometry>(module, "Odometry",
                        "Dead reckoning from what there is of wheel speeds, yaw rate, inertial "

@@ -2,6 +2,7 @@
 
 #include "daemon/pipeline/odometry_plan.hpp"
 #include "daemon/playback/read_image.hpp"
+#include "packaging/python/sweep_memory.hpp"
 
 namespace infuse::python {
 
@@ -92,7 +93,9 @@ void Player::add_sweep(size_t lidar, const Sweep& sweep) {
   if (deskewed_) {
     deskewed_->add_sweep(sweep);
   } else {
-    items_.emplace_back(setup_.lidars[lidar].device.name, sweep);
+    Sweep copy = recycled_sweep();
+    copy = sweep;
+    items_.emplace_back(setup_.lidars[lidar].device.name, std::move(copy));
   }
 }
 
@@ -103,7 +106,8 @@ void Player::add_sample(const daemon::VehicleSample& sample) {
 }
 
 void Player::add_deskewed(const Sweep& sweep, const motion::DeskewedSweep& deskewed) {
-  Sweep out = sweep;
+  Sweep out = recycled_sweep();
+  out = sweep;
   if (deskewed.usable()) {
     out.x = deskewed.x, out.y = deskewed.y, out.z = deskewed.z;
     out.deskewed = true;

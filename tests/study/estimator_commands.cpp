@@ -86,7 +86,7 @@ int compare(const std::vector<Estimator>& estimators, const std::string& folder)
 
 void add_estimator_commands(CLI::App& app, int& status) {
   static std::string key, file, folder;
-  app.add_subcommand("list", "list the estimators and the quantities that they estimate")
+  app.add_subcommand("list", "list the estimators of I chapter 2 and P 2.4 and what they estimate")
       ->callback([] { list(make_estimators()); });
   CLI::App* run_command = app.add_subcommand("run", "run one estimator on pairs of numbers");
   run_command->add_option("ESTIMATOR", key, "key of the estimator, see list")->required();

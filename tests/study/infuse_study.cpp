@@ -1,15 +1,37 @@
 // infuse-study: lists the estimators of tests/study, runs one on a file, measures their accuracy;
 // runs the other studies.
 
+#include <algorithm>
 #include <iostream>
 #include <stdexcept>
+#include <string>
 
 #include "tests/study/study_commands.hpp"
+
+namespace {
+
+/// Prints each command with the tables and figures of the theses that it makes (P, I), if any.
+void list_commands(const CLI::App& app) {
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    const std::string& name = command->get_name();
+    std::cout << name << std::string(16 - std::min<size_t>(15, name.size()), ' ')
+              << command->get_description() << '\n';
+  }
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   using namespace infuse::study;
   CLI::App app("Runs the estimators that are only compared, not used by the product.");
   app.require_subcommand(1);
+  app.add_flag_callback(
+      "--list",
+      [&app] {
+        list_commands(app);
+        throw CLI::Success();
+      },
+      "list the commands, and which table or figure of which thesis each makes");
   int status = 0;
   add_estimator_commands(app, status);
   add_mapping_commands(app);

@@ -18,7 +18,7 @@ void add_registration_commands(CLI::App& app) {
   static CodebookRecipe recipe;
   static std::string output;
   CLI::App* codebook = app.add_subcommand(
-      "codebook", "learn the codebook of FPFH and SIFT from drives through invented towns");
+      "codebook", "learn the codebook of FPFH and SIFT from invented towns, P figs. 4.13 and 5.5");
   codebook->add_option("-o,--output", output, "file to write")->required();
   codebook->add_option("--drives", recipe.drives, "number of drives")->capture_default_str();
   codebook->add_option("--words", recipe.words, "number of codewords")->capture_default_str();

@@ -8,9 +8,10 @@ command `infuse` prints; a wrong argument raises ValueError or TypeError.
 import sys as _sys
 
 from . import _infuse
-from ._infuse import (Camera, Decoder, Error, GnssFix, GyroReadings, Image, ImuSample, Intrinsics, Lidar, Recording,
-                      Sweep, WheelOdometry, __version__, calibration, decode, dependence, models, motion, registration)
-from . import client
+from ._infuse import (Camera, Decoder, Error, GnssFix, GyroReadings, Image, ImuSample, Intrinsics, Lidar, Monitor,
+                      MonitorReport, Recording, Reestimate, Sweep, WheelOdometry, __version__, calibration, decode,
+                      dependence, models, motion, registration)
+from . import client, plot, streetmap
 from .opening import open
 from .replay import Replay
 
@@ -18,5 +19,5 @@ for _name in ("calibration", "dependence", "motion", "registration"):
     _sys.modules[f"{__name__}.{_name}"] = getattr(_infuse, _name)
 
 __all__ = ["Camera", "Decoder", "Error", "GnssFix", "GyroReadings", "Image", "ImuSample", "Intrinsics", "Lidar",
-           "Recording", "Replay", "Sweep", "WheelOdometry", "calibration", "client", "decode", "dependence", "models",
-           "motion", "open", "registration"]
+           "Monitor", "MonitorReport", "Recording", "Reestimate", "Replay", "Sweep", "WheelOdometry", "calibration",
+           "client", "decode", "dependence", "models", "motion", "open", "plot", "registration", "streetmap"]

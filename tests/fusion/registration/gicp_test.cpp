@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "fusion/registration/align_points.hpp"
 #include "tests/allocation_counter.hpp"
 #include "tests/fusion/registration/random_room.hpp"
 
@@ -28,6 +29,26 @@ TEST(Gicp, FindsTheMotionBetweenTwoSweepsOfARoom) {
   EXPECT_LT(error.head<3>().norm(), 1e-3);
   EXPECT_LT(error.tail<3>().norm(), 0.01);
   EXPECT_LT((result.information * result.covariance - geometry::Matrix6::Identity()).norm(), 1e-5);
+}
+
+TEST(Gicp, PointsAreAlignedAsPreparedCloudsAre) {
+  const PointCloud target = random_room(1, 5000, 0.01, Eigen::Isometry3d::Identity());
+  const PointCloud source = random_room(2, 5000, 0.01, small_motion(1));
+  const auto rows = [](const PointCloud& cloud) {
+    std::vector<Eigen::Vector3f> points;
+    for (size_t k = 0; k < cloud.size(); ++k) {
+      points.emplace_back(cloud.x[k], cloud.y[k], cloud.z[k]);
+    }
+    return points;
+  };
+  const RegistrationResult expected =
+      gicp(prepare_cloud(target.points()), prepare_cloud(source.points()).cloud, small_motion(0.9));
+  const RegistrationResult result = align_points(rows(target), rows(source), small_motion(0.9));
+  ASSERT_TRUE(result.usable()) << result.reason;
+  EXPECT_EQ(result.T_target_source.matrix(), expected.T_target_source.matrix());
+  EXPECT_EQ(result.covariance, expected.covariance);
+  EXPECT_FALSE(align_points({}, rows(source)).usable());
+  EXPECT_FALSE(align_points(rows(target), {}).usable());
 }
 
 TEST(Gicp, StatesTheAccuracyThatItHas) {

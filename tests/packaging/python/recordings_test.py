@@ -82,6 +82,47 @@ class Drive(unittest.TestCase):
         at, beside = infuse.calibration.evaluate(pairs, poses, measure="mi")
         self.assertGreater(at, beside)
 
+    def test_pairs_are_read_as_they_come(self):
+        pairs, expected = [], infuse.calibration.read_pairs([self.drive], max_scenes=10**6)
+        infuse.calibration.each_pair(self.drive, lambda *pair: pairs.append(pair))
+        self.assertEqual(len(pairs), len(expected))
+        truth = np.loadtxt(os.path.join(self.drive, "truth/poses.tum"))
+        for k, (image, sweep, twist) in enumerate(pairs):
+            np.testing.assert_array_equal(image.pixels, expected.image(k).pixels)
+            np.testing.assert_array_equal(sweep.x, expected.sweep(k).x)
+            self.assertEqual(image.stamp_ns, expected.image(k).stamp_ns)
+        at = pairs[20][0].stamp_ns * 1e-9
+        around = [[np.interp(at + s, truth[:, 0], truth[:, c]) for c in (1, 2, 3)] for s in (-0.1, 0.1)]
+        speed = np.linalg.norm(np.subtract(*around)) / 0.2
+        self.assertLess(abs(np.linalg.norm(pairs[20][2][3:]) - speed), 0.05 * speed)
+        with self.assertRaises(ZeroDivisionError):
+            infuse.calibration.each_pair(self.drive, lambda *pair: 1 / 0)
+
+    def test_a_measure_of_ones_own_sees_the_samples(self):
+        pairs = infuse.calibration.read_pairs([self.drive], max_scenes=4)
+        poses = np.stack([pairs.truth @ turned(angle) for angle in (-0.03, 0, 0.03)])
+        seen = []
+
+        def histogram(lidar, image):
+            seen.append((lidar.dtype, len(lidar) == len(image), image.min() >= 0, image.max() <= 1))
+            return float(infuse.dependence.histogram_measure(lidar, image, measure="mi"))
+
+        beside, at, other = infuse.calibration.evaluate(pairs, poses, measure=histogram)
+        self.assertGreater(at, max(beside, other))
+        self.assertEqual(set(seen), {(np.dtype(np.float32), True, True, True)})
+        with self.assertRaises(ZeroDivisionError):
+            infuse.calibration.evaluate(pairs, poses, measure=lambda lidar, image: 1 / 0)
+
+    def test_track_is_that_of_the_daemon(self):
+        streets = infuse.streetmap.compile(os.path.join(self.drive, "map.osm"))
+        x, y, yaw = start_of(os.path.join(self.drive, "truth/poses.tum"))
+        track = infuse.streetmap.track(self.drive, streets, initial_pose=(x, y, yaw), program=program("infused"))
+        self.assertGreater(len(track.stamps_ns), 20)
+        self.assertEqual(track.covariances.shape, (len(track.stamps_ns), 6, 6))
+        truth = np.loadtxt(os.path.join(self.drive, "truth/poses.tum"))
+        true = np.stack([np.interp(track.stamps_ns * 1e-9, truth[:, 0], truth[:, c]) for c in (1, 2)], 1)
+        self.assertLess(np.linalg.norm(track.poses[:, :2, 3] - true, axis=1).max(), 2)
+
     def test_replay_is_that_of_the_daemon(self):
         reports = os.path.join(self.folder.name, "reports.jsonl")
         infused = program("infused")
@@ -118,6 +159,12 @@ class Drive(unittest.TestCase):
             daemon.wait()
         with self.assertRaisesRegex(infuse.client.ClientError, "running"):
             infuse.client.Client(path + "x")
+
+
+def start_of(path):
+    """x, y, yaw of a trajectory's first pose."""
+    pose = infuse.motion.read_trajectory(path)[1][0]
+    return pose[0, 3], pose[1, 3], np.arctan2(pose[1, 0], pose[0, 0])
 
 
 def turned(angle):

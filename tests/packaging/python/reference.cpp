@@ -10,9 +10,11 @@
 #include "fusion/dependence/bagged_lsmi.hpp"
 #include "fusion/dependence/prepared_dependence.hpp"
 #include "fusion/dependence/prepared_histogram.hpp"
+#include "fusion/monitoring/calibration_monitor.hpp"
 #include "fusion/motion/deskew.hpp"
 #include "fusion/registration/gicp.hpp"
 #include "fusion/registration/lidar_trajectory.hpp"
+#include "fusion/streetmap/tracker.hpp"
 
 namespace {
 
@@ -92,12 +94,78 @@ void measure() {
   out.add_rows(by_sample);
 }
 
-/// Every sweep of the capture; the odometry of them; the second, deskewed by a trajectory.
+/// Monitors a camera of 320 × 240 that sees another image with each sweep.
+class Monitored {
+ public:
+  void add(const Sweep& sweep) {
+    CameraFrame frame{.stamp = sweep.stamp, .width = 320, .height = 240};
+    frame.format = PixelFormat::kGrey8;
+    for (const uint8_t pixel : pixels_) {
+      frame.pixels.push_back(static_cast<uint8_t>(pixel + 7 * count_));
+    }
+    ++count_;
+    const Eigen::Vector3d turning(0, 0, 0.1), driving(8, 0, 0);  // of the lidar
+    const Eigen::Isometry3d& T = monitor_.T_camera_lidar();
+    const Eigen::Vector3d camera = T.inverse().translation();
+    const auto report =
+        monitor_.process(frame, monitoring::make_sweep_view(sweep),
+                         {T.linear() * turning, T.linear() * (driving + turning.cross(camera))});
+    out_.add(report.evaluated ? 1 : 0);
+    out_.add(report.dependence);
+    out_.add(report.verdict.evidence);
+    out_.add_all(report.verdict.offset);
+    out_.add_all(report.verdict.sigma);
+  }
+
+ private:
+  static Eigen::Isometry3d pose() {
+    Eigen::Isometry3d pose;
+    const auto values = read<double>("camera.f64");
+    pose.matrix() = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(values.data());
+    return pose;
+  }
+
+  std::vector<uint8_t> pixels_ = read<uint8_t>("image.u8");
+  monitoring::CalibrationMonitor monitor_{
+      {.width = 320, .height = 240, .fx = 160, .fy = 160, .cx = 160, .cy = 120}, pose(), {}};
+  int count_ = 0;
+  Out out_{"monitor"};
+};
+
+/// Tracks a vehicle that drives 0.5 m ahead with each sweep.
+class Tracked {
+ public:
+  Tracked() { tracker_.start({3, 4, 0.5}, Eigen::Vector3d(1, 1, 0.01).asDiagonal()); }
+  void add(const Sweep& sweep) {
+    tracker_.predict({0.5, 0, 0.01}, Eigen::Vector3d(1e-4, 1e-4, 1e-6).asDiagonal(),
+                     Duration(100'000'000));
+    tracker_.add_sweep({sweep, sweep.x, sweep.y, sweep.z}, nullptr);
+    tracker_.update();
+    const auto estimate = tracker_.estimate();
+    for (const double value : {estimate.pose.x, estimate.pose.y, estimate.pose.yaw}) {
+      out_.add(value);
+    }
+    out_.add_rows(estimate.covariance);
+    out_.add(estimate.score);
+    out_.add(estimate.p_value);
+  }
+
+ private:
+  std::vector<std::byte> bytes_ = read<std::byte>("street.map");
+  streetmap::SegmentMap map_ = streetmap::SegmentMap::open(bytes_, "street.map").value();
+  streetmap::Tracker tracker_{map_};
+  Out out_{"track"};
+};
+
+/// Every sweep of the capture; the odometry of them; the second, deskewed by a trajectory; what a
+/// monitor and a tracker make of them.
 void decode() {
   auto reader = recording::PcapReader::open(folder + "/capture.pcap");
   auto decoder = lidar::make_decoder({.model = makers::find_model("HDL-32E")});
   Out out("decode"), poses("odometry"), deskewed("deskew");
   registration::LidarTrajectory odometry(Eigen::Isometry3d::Identity());
+  Monitored monitored;
+  Tracked tracked;
   Sweep sweep;
   size_t sweeps = 0;
   const auto pull = [&] {
@@ -109,6 +177,8 @@ void decode() {
       out.add_all(sweep.ring);
       out.add_all(sweep.time_offset_ns);
       poses.add_rows(odometry.add(sweep).T_map_vehicle.matrix());
+      monitored.add(sweep);
+      tracked.add(sweep);
       if (sweeps != 1) continue;
       geometry::Trajectory trajectory;
       for (int k = 0; k < 2; ++k) {

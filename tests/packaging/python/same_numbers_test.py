@@ -7,7 +7,7 @@ import unittest
 import numpy as np
 
 import infuse
-from common import capture, moved, program, room, scratch
+from common import SOURCES, capture, moved, program, room, scratch
 
 
 class SameNumbers(unittest.TestCase):
@@ -25,6 +25,13 @@ class SameNumbers(unittest.TestCase):
             getattr(cls, name).T.tofile(os.path.join(at, name + ".f32"))
         for name in ("x", "y"):
             getattr(cls, name).tofile(os.path.join(at, name + ".f32"))
+        cls.image = random.integers(0, 256, (240, 320), dtype=np.uint8)
+        cls.image[:, 100:220] //= 4
+        cls.image.tofile(os.path.join(at, "image.u8"))
+        cls.T_camera_lidar = np.array([[0., -1, 0, 0.1], [0, 0, -1, -0.2], [1, 0, 0, -0.3], [0, 0, 0, 1]])
+        cls.T_camera_lidar.tofile(os.path.join(at, "camera.f64"))
+        cls.map = infuse.streetmap.compile(os.path.join(SOURCES, "fixtures/maps/altfeld.osm"))
+        cls.map.save(os.path.join(at, "street.map"))
         subprocess.run([program("python-reference"), at], check=True)
 
     @classmethod
@@ -91,6 +98,63 @@ class SameNumbers(unittest.TestCase):
         stamps = sweeps[1].stamp_ns + np.array([0, 150_000_000])
         deskewed = infuse.motion.deskew(sweeps[1], infuse.motion.Trajectory(stamps, poses))
         self.same("deskew", deskewed.x, deskewed.y, deskewed.z)
+
+    def test_monitor(self):
+        monitor = infuse.Monitor(infuse.Intrinsics(320, 240, 160, 160, 160, 120), self.T_camera_lidar)
+        values, evaluated = [], 0
+        for k, sweep in enumerate(infuse.decode(self.capture, "HDL-32E")):
+            image = infuse.Image((self.image + np.uint8(7 * k)).astype(np.uint8), stamp_ns=sweep.stamp_ns)
+            report = monitor.process(image, sweep, [0, 0, 0.1, 8, 0, 0])
+            evaluated += report.evaluated
+            values += [report.evaluated, report.dependence, report.evidence, report.offset, report.sigma]
+        self.same("monitor", *values)
+        self.assertGreater(evaluated, 2)
+        refused = monitor.reestimate()
+        self.assertFalse(refused.usable)
+        self.assertTrue(refused.reason)
+
+    def test_street_map(self):
+        tracker = infuse.streetmap.Tracker(self.map)
+        tracker.start([3, 4, 0.5], np.diag([1, 1, 0.01]))
+        values = []
+        for sweep in infuse.decode(self.capture, "HDL-32E"):
+            tracker.predict([0.5, 0, 0.01], np.diag([1e-4, 1e-4, 1e-6]), 0.1)
+            tracker.add_sweep(sweep)
+            tracker.update()
+            estimate = tracker.estimate
+            values += [estimate.pose, estimate.covariance, estimate.score, estimate.p_value]
+        self.same("track", *values)
+        self.assertGreater(len(tracker.particles), 50)
+        again = infuse.streetmap.Map(os.path.join(self.folder.name, "street.map"))
+        west, east, south, north = again.extent
+        places = np.random.default_rng(1).uniform([west - 50, south - 50], [east + 50, north + 50], (2000, 2))
+        ids = self.map.ids_at(places)
+        np.testing.assert_array_equal(ids, again.ids_at(places))
+        outside = (places < [west, south]).any(1) | (places > [east, north]).any(1)
+        self.assertFalse(ids[outside].any())
+        kinds = {self.map.kind_of(int(k)) for k in ids}
+        self.assertLessEqual({"carriageway", "building", "open land"}, kinds)
+        self.assertLessEqual(kinds, set(infuse.streetmap.KINDS))
+        self.assertIn(max(self.map.image(300).pixels.shape[:2]), range(150, 301))
+
+    def test_trajectories(self):
+        stamps = 1_700_000_000_123_456_789 + np.arange(4) * 100_000_000
+        poses = np.tile(np.eye(4), (4, 1, 1))
+        angle = 0.3 * np.arange(4)
+        poses[:, 0, 0] = poses[:, 1, 1] = np.cos(angle)
+        poses[:, 1, 0], poses[:, 0, 1] = np.sin(angle), -np.sin(angle)
+        poses[:, :3, 3] = np.arange(12).reshape(4, 3)
+        tum, kitti = (os.path.join(self.folder.name, name) for name in ("path.tum", "path.txt"))
+        infuse.motion.write_tum(tum, stamps, poses)
+        infuse.motion.write_kitti(kitti, poses)
+        columns = np.loadtxt(tum)  # the format: https://cvg.cit.tum.de/data/datasets/rgbd-dataset/file_formats
+        np.testing.assert_allclose(columns[:, 1:4], poses[:, :3, 3], atol=1e-6)
+        np.testing.assert_allclose(columns[:, 6:], np.stack([np.sin(angle / 2), np.cos(angle / 2)], 1), atol=1e-8)
+        np.testing.assert_allclose(np.loadtxt(kitti), poses[:, :3].reshape(4, 12), atol=1e-6)
+        read_stamps, read = infuse.motion.read_trajectory(tum)
+        np.testing.assert_array_equal(read_stamps, stamps)
+        np.testing.assert_allclose(read, poses, atol=1e-6)
+        np.testing.assert_allclose(infuse.motion.read_trajectory(kitti)[1], poses, atol=1e-6)
 
     def test_projection(self):
         camera = infuse.Intrinsics(640, 480, 400, 410, 320, 240, [0.1, -0.05, 1e-3, 2e-3, 0.01])

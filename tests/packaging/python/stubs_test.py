@@ -16,6 +16,10 @@ def public(names):
     return {name for name in names if not name.startswith("_")}
 
 
+def names_of(module):
+    return set(getattr(module, "__all__", public(dir(module))))
+
+
 def declared(path):
     """(functions {name: arguments}, classes {name: {member: arguments or None}}) of a stub."""
     with open(path, encoding="utf-8") as file:
@@ -26,6 +30,7 @@ def declared(path):
 
     functions = {n.name: arguments(n) for n in tree.body if isinstance(n, ast.FunctionDef)}
     classes = {n.name: {m.name: arguments(m) for m in n.body if isinstance(m, ast.FunctionDef)}
+               | {m.target.id: None for m in n.body if isinstance(m, ast.AnnAssign)}
                for n in tree.body if isinstance(n, ast.ClassDef)}
     return functions, classes
 
@@ -39,21 +44,22 @@ def actual_arguments(function):
 
 class Stubs(unittest.TestCase):
     def modules(self):
-        for name in ("calibration", "dependence", "motion", "registration"):
+        for name in ("calibration", "dependence", "motion", "plot", "registration", "streetmap"):
             yield name, getattr(infuse, name)
 
     def test_stubs_have_the_names_and_arguments_of_the_module(self):
         for name, module in [*self.modules(), ("__init__", infuse)]:
             functions, classes = declared(os.path.join(STUBS, name + ".pyi"))
-            members = public(dir(module)) if module is not infuse else set(infuse.__all__)
+            members = names_of(module)
             kinds = {member: getattr(module, member) for member in members}
             with self.subTest(module=name):
                 self.assertEqual({m for m, v in kinds.items() if inspect.isclass(v)} - {"Replay"}, set(classes))
                 self.assertEqual({m for m, v in kinds.items() if inspect.isroutine(v)}, set(functions))
             for function, arguments in functions.items():
-                if not inspect.isfunction(kinds[function]):
-                    with self.subTest(function=f"{name}.{function}"):
-                        self.assertEqual(actual_arguments(kinds[function]), arguments)
+                with self.subTest(function=f"{name}.{function}"):
+                    actual = kinds[function]
+                    self.assertEqual(list(inspect.signature(actual).parameters) if inspect.isfunction(actual)
+                                     else actual_arguments(actual), arguments)
             for cls, stubbed in classes.items():
                 if cls == "Error":
                     continue
@@ -65,7 +71,7 @@ class Stubs(unittest.TestCase):
 
     def test_public_names_are_documented(self):
         for name, module in [*self.modules(), ("infuse", infuse)]:
-            for member in public(dir(module)) if module is not infuse else infuse.__all__:
+            for member in names_of(module):
                 with self.subTest(name=f"{name}.{member}"):
                     self.assertTrue(inspect.getdoc(getattr(module, member)))
 

@@ -8,7 +8,7 @@ import unittest
 import numpy as np
 
 import infuse
-from common import capture, moved, room, scratch
+from common import SOURCES, capture, moved, room, scratch
 
 NAN = float("nan")
 WRONG_POINTS = [None, 3, "points", [], np.zeros((0, 3)), np.zeros(3), np.zeros((5, 2)), np.zeros((5, 5)),
@@ -100,6 +100,45 @@ class WrongCalls(unittest.TestCase):
             "sigma": [-1, NAN, 1e9]}
         yield c.calibrate, None, {"pairs": [None, 3], "initial": WRONG_POSES, "measure": WRONG_NAMES}
         yield c.read_pairs, None, {"drives": [[], ["/nowhere"], [""], None, 3]}
+        yield c.each_pair, None, {"drive": ["/nowhere", "", None, 3], "on_pair": [None, 3]}
+        yield (infuse.Monitor, {"intrinsics": camera, "T_camera_lidar": np.eye(4)},
+               {"intrinsics": [None, 3], "T_camera_lidar": WRONG_POSES, "min_interval_s": [-1, NAN, "x"],
+                "min_distance": [-1, NAN]})
+        monitor = infuse.Monitor(camera, np.eye(4))
+        yield (monitor.process, {"image": image, "sweep": first, "twist": [0, 0, 0.1, 8, 0, 0]},
+               {"image": [None, 3, np.zeros((48, 64), np.uint8), infuse.Image(np.zeros((4, 6), np.uint8))],
+                "sweep": WRONG_POINTS, "twist": [3, [0] * 5, [NAN] * 6, np.zeros((6, 1)), "sixsix"]})
+        yield monitor.set_calibration, {"T_camera_lidar": np.eye(4)}, {"T_camera_lidar": WRONG_POSES}
+        yield monitor.inject_miscalibration, {"T_camera_lidar": np.eye(4)}, {"T_camera_lidar": WRONG_POSES}
+        yield monitor.reestimate, {}, {"since_ns": [0.5, 10**30, "x"], "seed": [-1, 0.5]}
+        s = infuse.streetmap
+        osm = os.path.join(SOURCES, "fixtures/maps/landstrasse.osm")
+        yield (s.compile, {"source": osm, "cell_size": 1.0},
+               {"source": [None, 3, "", "/nowhere", __file__, "\0"], "cell_size": [-1, 0, NAN, "x"],
+                "clip_deg": [[1], [0, 0, 0, 0], "x", [NAN] * 4, [170, 80, 171, 81]], "metres_per_pixel": [-1, 0, NAN, 1]})
+        yield s.Map, None, {"path": [None, 3, "/nowhere", __file__, osm]}
+        streets = s.compile(osm, cell_size=1.0)
+        yield streets.ids_at, {"places": [[0, 0]]}, {"places": [None, [], [0, 0], [[0] * 3], [[NAN, 0]], "x"]}
+        yield streets.save, {"path": self.folder.name + "/map"}, {"path": [None, 3, "", "/nowhere/at/all", "\0"]}
+        yield streets.image, {"largest": 100}, {"largest": [-1, 0, 10**9, 1.5, None]}
+        yield s.Tracker, {"map": streets}, {"map": [None, 3, osm], "seed": [-1, 0.5]}
+        tracker = s.Tracker(streets)
+        wrong_covariances = [3, np.eye(2), -np.eye(3), np.full((3, 3), NAN), [[1, 2, 0], [0, 1, 0], [0, 0, 1]], "x"]
+        yield (tracker.start, {"pose": [0, 0, 0], "covariance": np.eye(3)},
+               {"pose": [3, [0, 0], [NAN] * 3, "xyz"], "covariance": wrong_covariances})
+        yield (tracker.predict, {"motion": [1, 0, 0], "covariance": np.eye(3) * 1e-4, "seconds": 0.1},
+               {"motion": [3, [0, 0], [NAN] * 3], "covariance": wrong_covariances, "seconds": [-1, NAN, 1e9, "x"]})
+        yield (tracker.add_sweep, {"sweep": first, "image": image, "intrinsics": camera},
+               {"sweep": WRONG_POINTS, "T_vehicle_lidar": WRONG_POSES, "image": [None, 3], "intrinsics": [None, 3],
+                "T_camera_lidar": WRONG_POSES, "image_step": [0, -1, 1000, 1.5]})
+        yield tracker.add_fix, {"position": [0, 0]}, {
+            "position": [3, [0], [NAN, 0], "xy"], "yaw": [NAN, "x"], "hdop": [-1, NAN, 1e9]}
+        yield (m.write_tum, {"path": self.folder.name + "/t", "stamps_ns": stamps, "poses": poses},
+               {"path": [None, 3, "/nowhere/at/all", ""], "stamps_ns": [[0], [1, 0], [0.5, 1], "xy"],
+                "poses": [np.eye(4), poses[:1], np.zeros((2, 4, 4)), None]})
+        yield (m.write_kitti, {"path": self.folder.name + "/t", "poses": poses},
+               {"path": [None, "/nowhere/at/all"], "poses": [np.eye(4), np.zeros((2, 4, 4)), None]})
+        yield m.read_trajectory, {"path": self.folder.name + "/t"}, {"path": [None, "/nowhere", __file__]}
         yield infuse.Intrinsics, {"width": 64, "height": 48, "fx": 40, "fy": 40, "cx": 32, "cy": 24}, {
             "width": WRONG_COUNTS[:2], "fx": [0, -1, NAN], "distortion": [[NAN], [0] * 6, 3], "model": WRONG_NAMES}
         yield infuse.Image, {"pixels": np.zeros((4, 6), np.uint8)}, {
