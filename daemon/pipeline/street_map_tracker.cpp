@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "daemon/pipeline/street_map_motion.hpp"
 #include "daemon/pipeline/unknown_pose.hpp"
 #include "fusion/geometry/plane_length.hpp"
 
@@ -11,38 +12,6 @@ namespace {
 constexpr int kImageStep = 2;                      // pixels of the image for one of the features
 constexpr Duration kMaxUpdateWait{5'000'000'000};  // ns; more remains after a jump back in time
 constexpr double kCourseSigma = 0.1;               // rad
-constexpr double kScaleSigma = 0.006;              // m/m, scale of odometry
-constexpr double kRestSigma = 0.005;               // m
-constexpr double kYawRateSigma = 0.002;            // rad/s, bias of odometry
-constexpr double kNoOdometrySigma = 3.0;           // m, motion of a step without odometry
-constexpr double kNoOdometryYawSigma = 0.2;        // rad, the same
-
-streetmap::PlanarPose planar(const Eigen::Isometry3d& T) {
-  return {T.translation().x(), T.translation().y(), std::atan2(T(1, 0), T(0, 0))};
-}
-
-/// Noise of one step: covariance of x, y and yaw. The covariance of a motion is the growth of the
-/// pose's covariance (Trajectory::between). Lasting errors (scale, bias) make it grow ever faster,
-/// and drawing it at each step would count them many times; the particles carry those. The standard
-/// deviations are therefore limited to what a wrong scale and a wrong rate cause within one step.
-Eigen::Matrix3d step_noise(const geometry::MotionBetween& motion, Duration step) {
-  constexpr int kOrder[3] = {3, 4, 2};
-  const double distance = motion.T_from_to.translation().norm();
-  const double max_sigma[3] = {kScaleSigma * distance + kRestSigma,
-                               kScaleSigma * distance + kRestSigma,
-                               kYawRateSigma * to_seconds(step)};
-  Eigen::Matrix3d result;
-  for (int i = 0; i < 3; ++i) {
-    for (int k = 0; k < 3; ++k) result(i, k) = motion.covariance(kOrder[i], kOrder[k]);
-  }
-  for (int i = 0; i < 3; ++i) {
-    const double sigma = std::sqrt(std::max(result(i, i), 0.0));
-    if (sigma <= max_sigma[i]) continue;
-    result.row(i) *= max_sigma[i] / sigma;
-    result.col(i) *= max_sigma[i] / sigma;
-  }
-  return result;
-}
 
 Eigen::Matrix3d diagonal(double metres, double yaw) {
   return Eigen::Vector3d(metres * metres, metres * metres, yaw * yaw).asDiagonal();
@@ -81,14 +50,7 @@ void StreetMapTracker::use_fixes(const geometry::Trajectory& trajectory) {
 }
 
 void StreetMapTracker::predict_to(Stamp stamp, const geometry::Trajectory& trajectory) {
-  if (now_ != Stamp::earliest() && stamp > now_) {
-    const geometry::MotionBetween motion = trajectory.between(now_, stamp);
-    if (motion.usable()) {
-      tracker_.predict(planar(motion.T_from_to), step_noise(motion, stamp - now_), stamp - now_);
-    } else {
-      tracker_.predict({}, diagonal(kNoOdometrySigma, kNoOdometryYawSigma), stamp - now_);
-    }
-  }
+  if (now_ != Stamp::earliest() && stamp > now_) predict(tracker_, trajectory, now_, stamp);
   now_ = stamp;
 }
 

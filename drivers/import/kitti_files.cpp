@@ -20,6 +20,11 @@ NumberedFiles list_files(const fs::path& folder, const std::string& extension) {
   return recording::list_numbered_files(folder, {extension}).value_or(NumberedFiles());
 }
 
+NumberedFiles list_images(const fs::path& folder) {
+  return recording::list_numbered_files(folder, {".png", ".jpg", ".jpeg"})
+      .value_or(NumberedFiles());
+}
+
 Result<std::vector<std::optional<Stamp>>> read_kitti_times(const fs::path& path) {
   auto lines = text::LineReader::open(path);
   if (!lines) return tl::unexpected(lines.error());

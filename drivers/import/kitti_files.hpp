@@ -18,6 +18,9 @@ using recording::NumberedFiles;
 /// Lists the files NUMBER.extension of a folder, by number. Empty if the folder does not exist.
 NumberedFiles list_files(const std::filesystem::path& folder, const std::string& extension);
 
+/// The same of images: PNG or JPEG.
+NumberedFiles list_images(const std::filesystem::path& folder);
+
 /// Reads a file with one stamp per line: seconds since the start (odometry), or
 /// "2011-09-26 13:02:25.964389445" (raw, interpreted as UTC). Line k belongs to file number k; an
 /// empty line is a missing frame.

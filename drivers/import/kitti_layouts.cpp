@@ -157,7 +157,7 @@ Result<void> read_raw_images(const fs::path& folder, size_t camera, const Turns&
   const auto times = read_kitti_times(folder / "timestamps.txt");
   if (!times) return tl::unexpected(times.error());
   std::vector<StampedFile>& images = recording.images[camera];
-  images = assign_times(list_files(folder / "data", ".png"), *times, recording.notes);
+  images = assign_times(list_images(folder / "data"), *times, recording.notes);
   if (images.empty()) return {};
   const auto exposures = find_exposures(folder.string(), turns, images);
   if (!exposures) return tl::unexpected(exposures.error());
@@ -211,7 +211,7 @@ Result<KittiRecording> read_kitti_object(const fs::path& folder) {
   size_t left_out = keep_frames(sweeps, shared->frames);
   std::array<NumberedFiles, 4> images;
   for (size_t camera = 0; camera < images.size(); ++camera) {
-    images[camera] = list_files(folder / camera_folder(camera), ".png");
+    images[camera] = list_images(folder / camera_folder(camera));
     left_out += keep_frames(images[camera], shared->frames);
   }
   if (left_out > 0) {
@@ -253,7 +253,7 @@ Result<KittiRecording> read_kitti_odometry(const fs::path& folder) {
                              (folder / "velodyne").string(), "they are used as they are"});
   for (size_t camera = 0; camera < recording.images.size(); ++camera) {
     recording.images[camera] =
-        assign_times(list_files(folder / camera_folder(camera), ".png"), *times, recording.notes);
+        assign_times(list_images(folder / camera_folder(camera)), *times, recording.notes);
   }
   if (const auto path = find_odometry_poses(folder)) {
     auto poses = read_odometry_poses(*path, *times, *calibration);

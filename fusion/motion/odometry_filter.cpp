@@ -19,8 +19,21 @@ bool any_finite(const Range& values) {
   return std::any_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
 }
 
-bool measures_speed(const WheelOdometry& sample) {
-  return any_finite(sample.wheel_speed) || std::isfinite(sample.speed);
+int measured_speeds(const WheelOdometry& sample) {
+  const auto wheels = std::count_if(sample.wheel_speed.begin(), sample.wheel_speed.end(),
+                                    [](double v) { return std::isfinite(v); });
+  return static_cast<int>(wheels) + (std::isfinite(sample.speed) ? 1 : 0);
+}
+
+bool measures_speed(const WheelOdometry& sample) { return measured_speeds(sample) > 0; }
+
+/// Smallest change of the speed of a wheel, m/s.
+double smallest_change(const WheelOdometry& from, const WheelOdometry& to) {
+  double smallest = std::abs(to.speed - from.speed);
+  for (size_t i = 0; i < to.wheel_speed.size(); ++i) {
+    smallest = std::fmin(smallest, std::abs(to.wheel_speed[i] - from.wheel_speed[i]));  // no NaN
+  }
+  return smallest;
 }
 
 /// Errors of a GNSS receiver's speed are correlated, so that samples at a high rate add little: one
@@ -37,16 +50,6 @@ double gnss_course_noise(const OdometryOptions& options, double interval) {
   constexpr double kUnchanged = 1, kMinInterval = 0.1;  // s
   return options.gnss_course_noise *
          std::sqrt(std::max(1.0, kUnchanged / std::max(interval, kMinInterval)));
-}
-
-/// True if wheels that rest `since`, after they turned until `turned`, are those of a vehicle that
-/// slides: none brakes so fast (tyres on dry road hold 1.2 g), and on ice it brakes by 0.1 g.
-bool are_locked(double speed, Stamp turned, Stamp since, Stamp now) {
-  constexpr double kMaxBraking = 12, kIce = 1;  // m/s²
-  constexpr double kUnseen = 1;                 // m/s, below which sensors of wheels see no teeth
-  if (turned == Stamp::earliest()) return false;
-  return std::abs(speed) > kMaxBraking * to_seconds(since - turned) + kUnseen &&
-         to_seconds(now - since) < std::abs(speed) / kIce;
 }
 
 /// Error along the path of a lidar's motion that contradicts the speed of wheels, m; 0 if it does
@@ -130,6 +133,8 @@ void OdometryFilter::reset_clock() {
   gnss_position_check_.reset();
   last_relative_pose_.reset();
   speed_agreement_.reset();
+  last_wheels_.reset();
+  jumped_wheels_.reset();
   last_gnss_speed_stamp_ = Stamp::earliest();
   at_rest_since_ = Stamp::latest();
 }
@@ -156,6 +161,8 @@ void OdometryFilter::advance(Duration ahead) {
     sources_.reset();
     gnss_position_check_.reset();  // where odometry led meanwhile is not known
     at_rest_since_ = Stamp::latest();
+    last_wheels_.reset();
+    jumped_wheels_.reset();
     now_ = now_ + ahead;
     return;
   }
@@ -198,22 +205,50 @@ void OdometryFilter::update_wheel_speeds(const WheelOdometry& sample) {
   const auto turns = [&](double v) { return std::abs(v) > options_.standstill_speed; };
   const bool at_rest = std::none_of(sample.wheel_speed.begin(), sample.wheel_speed.end(), turns) &&
                        !turns(sample.speed);
-  if (!checked && at_rest) {
-    const Stamp since = std::min(at_rest_since_, now_);
-    if (are_locked(state_.speed(), sources_[source].last_accepted, since, now_)) {
-      at_rest_since_ = since;
-      return record(source, false);
-    }
+  if (!checked && have_jumped(sample, at_rest)) {
+    at_rest_since_ = Stamp::latest();
+    return record(source, false);
   }
   if (!checked) detect_standstill(at_rest);
-  const bool accepted = state_.update_wheels(sample) >= 1;
+  const int used = state_.update_wheels(sample);
+  const bool accepted = used >= 1;
   record(source, accepted, checked ? nullptr : &OdometryState::reset_speed_covariance);
+  if (accepted && used < measured_speeds(sample)) sources_.reject_part(source);
+  if (accepted) {
+    last_wheels_ = sample;
+    last_wheels_->stamp = now_;
+  }
   if (checked) {
     detect_standstill(at_rest && accepted);
     const Stamp since = sources_[source].rejected_since;
     wheels_suspended_ = !accepted && now_ - since >= kSlipAfter;
     wheels_agree_since_ = Stamp::latest();
   }
+}
+
+// Wheels that jump, from how they turned when they were accepted last, slide or spin: no vehicle
+// brakes or accelerates so fast (tyres on dry road hold 1.2 g). They are out until they jump back
+// by more than half, or turn as before, for as long as a vehicle slides on ice at most (0.1 g).
+bool OdometryFilter::have_jumped(const WheelOdometry& sample, bool at_rest) {
+  constexpr double kMaxAcceleration = 12, kIce = 1;  // m/s²
+  constexpr double kUnseen = 1;       // m/s, below which sensors of wheels see no teeth
+  constexpr double kNoiseSigmas = 4;  // as the gate of a sample
+  if (!last_wheels_) return false;
+  const double noise = at_rest ? kUnseen : kNoiseSigmas * options_.wheel_noise;
+  const double change = smallest_change(*last_wheels_, sample);
+  const WheelOdometry& before = jumped_wheels_.value_or(*last_wheels_);
+  const Stamp since = jumped_wheels_ ? jumped_since_ : now_;
+  const auto possible = [&](Duration time) { return kMaxAcceleration * to_seconds(time) + noise; };
+  bool out = to_seconds(now_ - since) < std::abs(state_.speed()) / kIce &&
+             change > possible(since - last_wheels_->stamp);
+  if (out && jumped_wheels_) {
+    out = smallest_change(before, sample) <= possible(now_ - before.stamp) ||
+          change > 0.5 * smallest_change(*last_wheels_, before);
+  }
+  jumped_since_ = since;
+  jumped_wheels_ = out ? std::optional(sample) : std::nullopt;
+  if (out) jumped_wheels_->stamp = now_;
+  return out;
 }
 
 bool OdometryFilter::readmit_wheels(const WheelOdometry& sample) {
@@ -438,7 +473,6 @@ OdometryReport OdometryFilter::report() const {
     report.carries[i] = sources_.carries(source, now_);
   }
   report.angular_velocity = state_.angular_velocity();
-  // Wheels that are locked rest too, but the speed is not theirs.
   report.standing = at_rest_since_ != Stamp::latest() &&
                     now_ - at_rest_since_ >= options_.standstill_after &&
                     std::abs(state_.speed()) < 2 * options_.standstill_speed;

@@ -102,6 +102,7 @@ class OdometryFilter {
   void update(const GnssFix& fix);
   void update(const PoseMark& mark);
   void update_wheel_speeds(const WheelOdometry& sample);
+  bool have_jumped(const WheelOdometry& sample, bool at_rest);
   bool readmit_wheels(const WheelOdometry& sample);
   void update_gnss_speed(double measured);
   bool wheels_slip(double gnss_speed) const;
@@ -138,6 +139,9 @@ class OdometryFilter {
   Stamp wheels_agree_since_ = Stamp::latest();  // while suspended
   Stamp last_steering_stamp_ = Stamp::earliest();
   Stamp at_rest_since_ = Stamp::latest();
+  std::optional<WheelOdometry> last_wheels_;    // accepted
+  std::optional<WheelOdometry> jumped_wheels_;  // the last, while wheels that jumped are out
+  Stamp jumped_since_ = Stamp::latest();
   uint64_t late_ = 0, outliers_ = 0, invalid_samples_ = 0;
 };
 

@@ -28,7 +28,7 @@ inline constexpr std::array<const char*, kOdometrySources> kOdometrySourceNames 
 /// What became of the samples of one source.
 struct SourceRecord {
   uint64_t accepted = 0;
-  uint64_t rejected = 0;                    ///< inconsistent with the motion
+  uint64_t rejected = 0;                    ///< inconsistent with the motion, in part at least
   Stamp last_accepted = Stamp::earliest();  ///< earliest: none
   Stamp last_speed = Stamp::earliest();     ///< that measured the speed, if the source does
   Stamp last_rotation = Stamp::earliest();  ///< that measured the rotation about z, the same
@@ -45,6 +45,13 @@ class OdometrySources {
   /// Records a sample of a source. A lidar does not always measure both: in a tunnel no speed.
   void add(OdometrySource source, bool accepted, Stamp now, bool speed = true,
            bool rotation = true);
+
+  /// Counts the last sample, which was accepted, as rejected: in part it was.
+  void reject_part(OdometrySource source) {
+    SourceRecord& record = records_[static_cast<size_t>(source)];
+    --record.accepted;
+    ++record.rejected;
+  }
 
   /// Lets a source carry on without a sample, which is not counted.
   void hold(OdometrySource source, Stamp now) {

@@ -17,7 +17,7 @@ constexpr const char* kDocumentHeader =
     "`one_image`, `kitti_00`, `kitti_05`, `kitti_07`, `street`, `country_road`, `motorway`, "
     "`bare`, `robot`, `wrong_initial_poses`,\n"
     "`given_starts`, `given_starts_05`, `from_nothing`, `noisy_odometry`, `omission`, "
-    "`wrong_maps`; sections that "
+    "`wrong_maps`, `wheels`; sections that "
     "are missing below "
     "have not been run.\n"
     "The tracker runs on cached views, two per second, as in the daemon. Errors are rms over a run "
@@ -56,7 +56,8 @@ const std::vector<infuse::bench::Section>& sections() {
       {"from_nothing", "From nothing", 8, on("kitti_07", from_nothing)},
       {"noisy_odometry", "Noisy odometry (I figure 3.19(b))", 20, on_short(noisy_odometry)},
       {"omission", "Omitted cross-validation (I figure 3.19(a))", 5, on_short(omission)},
-      {"wrong_maps", "Wrong maps", 20, on_short(wrong_maps)}};
+      {"wrong_maps", "Wrong maps", 20, on_short(wrong_maps)},
+      {"wheels", "Wheels that lie", 4, on_short(wheels)}};
   return all;
 }
 

@@ -139,6 +139,10 @@ std::vector<View> read_cache(const std::filesystem::path& path) {
 
 }  // namespace
 
+geometry::Trajectory read_truth(const std::string& drive) {
+  return read_truth(kDrivesFolder / drive);
+}
+
 bool is_rendered(const std::string& drive) {
   return std::filesystem::exists(kDrivesFolder / drive / "drive.toml");
 }

@@ -7,6 +7,7 @@
 
 #include "drivers/measurement/camera_frame.hpp"
 #include "drivers/measurement/rig.hpp"
+#include "fusion/geometry/trajectory.hpp"
 #include "fusion/streetmap/local_grid.hpp"
 #include "fusion/streetmap/segment_map.hpp"
 #include "fusion/streetmap/street_plan.hpp"
@@ -44,6 +45,9 @@ bool is_rendered(const std::string& drive);
 
 /// Reads the views of a drive, two per second, from its cache (written by the first call).
 std::vector<View> read_views(const std::string& drive);
+
+/// True poses of a drive, map frame; empty if there is none.
+geometry::Trajectory read_truth(const std::string& drive);
 
 /// Reads `count` images, evenly spread over the drive, and the mount of the camera.
 std::vector<PosedImage> read_posed_images(const std::string& drive, int count, CameraMount& mount);

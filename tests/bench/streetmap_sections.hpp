@@ -71,4 +71,7 @@ void given_starts(std::ostream& out, const TestDrive& test_drive);
 /// From nothing: by the drive alone, and with what the sensors see.
 void from_nothing(std::ostream& out, const TestDrive& test_drive);
 
+/// Wheels that lie.
+void wheels(std::ostream& out, const TestDrive& test_drive);
+
 }  // namespace infuse::streetmap::bench
