@@ -14,7 +14,7 @@ namespace infuse::dependence {
 /// Settings of BLSMI.
 struct BagOptions {
   int bags = 200;       ///< number of bags, M of I(2.9)
-  int bag_size = 2000;  ///< samples per bag, drawn without replacement
+  int bag_size = 2000;  ///< samples per bag, drawn without replacement: I 4.3.2, of 20 scans
   FitOptions fit;       ///< fit of each bag; its seed draws the bags and their centres
 
   /// Returns what is wrong, or nothing.

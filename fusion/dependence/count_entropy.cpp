@@ -52,7 +52,7 @@ double plug_in_entropy(std::span<const double> frequencies) {
 
 const char* check_counts(std::span<const double> counts) {
   if (counts.empty()) return "no counts";
-  constexpr double kMaxCount = 1e15;  // keeps sums accurate and integers exact
+  constexpr double kMaxCount = 1e15;  // integers and their sums are exact in double precision
   for (const double c : counts) {
     if (!(c >= 0)) return "a count is negative or not a number";
     if (c > kMaxCount) return "a count is above 1e15";

@@ -6,8 +6,8 @@
 namespace infuse::dependence {
 namespace {
 
-constexpr int kMaxMemory = 16;
-constexpr int kMaxSequenceLength = 1024;
+constexpr int kMaxMemory = 16;            // bounds work
+constexpr int kMaxSequenceLength = 1024;  // bounds work
 
 /// Numbers words: observations that agree in all labels appended so far have the same number.
 class Words {

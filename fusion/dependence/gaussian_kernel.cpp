@@ -22,8 +22,9 @@ template <class Set>
   using Integers = typename Set::Integers;
   constexpr double kRoundToInteger = 6755399441055744.0;  // 1.5·2^52: adding it rounds to an
                                                           // integer
+  // ln 2 in two parts: the product of the first with k is exact in double precision.
   constexpr double kLn2High = 0x1.62e42fefa0000p-1, kLn2Low = 0x1.cf79abc9e3b3ap-40;
-  constexpr double kMinArgument = -707.0;
+  constexpr double kMinArgument = -707.0;  // below −708 exp underflows
   const Integers in_range = x >= kMinArgument;
   const Vector clamped = in_range ? x : Vector{} + kMinArgument;
   const Vector shifted = clamped * std::numbers::log2e + kRoundToInteger;

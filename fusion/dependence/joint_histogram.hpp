@@ -9,7 +9,7 @@
 
 namespace infuse::dependence {
 
-/// Maximum number of bins of an axis.
+/// Maximum number of bins of an axis: bounds memory.
 inline constexpr int kMaxBins = 1024;
 
 /// One axis of a joint histogram. Values outside [low, high] count as the nearer end.

@@ -11,19 +11,19 @@ namespace {
 
 using Eigen::Index;
 
-constexpr Index kInnerBlockSize = 128;   // inner indices per block
-constexpr Index kColumnBlockSize = 120;  // columns of b per packed block; a multiple of every
-                                         // tile's
+constexpr Index kInnerBlockSize = 128;   // inner indices per block: one stays in the cache
+constexpr Index kColumnBlockSize = 120;  // columns of b per packed block, which stays in the
+                                         // cache; a multiple of every tile's
 
 // Register tile of one instruction set: 2 vectors × kTileColumns.
 struct Baseline : Lanes<2> {
-  static constexpr Index kTileColumns = 4;
+  static constexpr Index kTileColumns = 4;  // 8 of 16 registers are sums
 };
 struct Avx2 : Lanes<4> {
-  static constexpr Index kTileColumns = 6;
+  static constexpr Index kTileColumns = 6;  // 12 of 16 registers
 };
 struct Avx512 : Lanes<8> {
-  static constexpr Index kTileColumns = 8;
+  static constexpr Index kTileColumns = 8;  // 16 of 32 registers
 };
 
 // Packs `count` vectors of length `inner` as [inner][width], padded with zeros.

@@ -6,7 +6,7 @@
 namespace infuse::dependence {
 namespace {
 
-constexpr float kMaxWeight = 1e30F;
+constexpr float kMaxWeight = 1e30F;  // sums of 8192 do not overflow single precision
 
 const char* check_fixed_side(std::span<const float> fixed, std::span<const float> weights) {
   if (fixed.empty()) return "no samples";

@@ -54,7 +54,7 @@ Folds make_folds(int n, int count, Random& random) {
 }
 
 const char* check_samples(const Samples& samples) {
-  constexpr double kMaxMagnitude = 1e100;
+  constexpr double kMaxMagnitude = 1e100;  // sums of squares do not overflow
   if (samples.rows() < 2 || samples.cols() < 1) return "fewer than two samples";
   bool varies = false;
   for (Eigen::Index f = 0; f < samples.cols(); ++f) {

@@ -8,13 +8,14 @@
 namespace infuse::dependence {
 namespace {
 
-constexpr size_t kLanes = 4;
+constexpr size_t kLanes = 4;  // lanes of a Float4
 using Int4 = int32_t __attribute__((vector_size(16)));
 
 Float4 broadcast(float value) { return Float4{value, value, value, value}; }
 
 /// Derivatives of the weights with respect to f; they sum to 0.
 Float4 spline_slopes(float f) {
+  // Of the uniform cubic B-spline, by definition.
   constexpr Float4 kSquare = {-0.5F, 1.5F, -1.5F, 0.5F}, kLinear = {1, -2, 1, 0},
                    kConstant = {-0.5F, 0, 0.5F, 0};
   const Float4 u = broadcast(f);
@@ -24,6 +25,7 @@ Float4 spline_slopes(float f) {
 }  // namespace
 
 Float4 spline_weights(float f) {
+  // Of the uniform cubic B-spline, by definition.
   constexpr Float4 kCubic = {-1.0F / 6, 0.5F, -0.5F, 1.0F / 6}, kSquare = {0.5F, -1, 0.5F, 0},
                    kLinear = {-0.5F, 0, 0.5F, 0}, kConstant = {1.0F / 6, 4.0F / 6, 1.0F / 6, 0};
   const Float4 u = broadcast(f);

@@ -13,7 +13,7 @@ namespace infuse::dependence {
 /// Four floats in one vector register.
 using Float4 = float __attribute__((vector_size(16)));
 
-/// Maximum number of samples per kernel call.
+/// Maximum number of samples per kernel call, whose places stay in the cache.
 inline constexpr size_t kSplineChunkSize = 1024;
 
 /// The y axis in knot intervals.

@@ -5,7 +5,7 @@
 namespace infuse::dependence {
 namespace {
 
-constexpr size_t kChunksPerFlush = 8;  // float sums of at most 8192 samples
+constexpr size_t kChunksPerFlush = 8;  // sums of at most 8192 samples in single precision
 
 }  // namespace
 

@@ -9,7 +9,7 @@
 
 namespace infuse::features {
 
-/// Settings of the search for returns of the air.
+/// Settings of the search for returns of the air, chosen on two towns (decision 13).
 struct AirReturnOptions {
   double max_range = 12;    ///< m; droplets farther away return too little to be measured
   int columns = 4;          ///< neighbours are at most so many firings before or after, …

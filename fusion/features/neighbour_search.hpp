@@ -44,7 +44,7 @@ struct Neighbourhoods {
 /// at once. Same results on every processor.
 class NeighbourSearch {
  public:
-  static constexpr int kMaxNeighbours = 32;
+  static constexpr int kMaxNeighbours = 32;  ///< bounds memory on the stack
 
   /// Builds the tree. Points that are not finite are left out. Does not allocate for clouds that
   /// are no larger than earlier ones.

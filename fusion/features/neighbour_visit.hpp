@@ -6,7 +6,8 @@
 
 namespace infuse::features {
 
-inline constexpr size_t kMaxDepth = 28;  ///< of the tree
+inline constexpr size_t kMaxDepth =
+    28;  ///< of the tree, with 2^28 leaves: bounds memory on the stack
 
 /// Box around the points of a search.
 struct Box {

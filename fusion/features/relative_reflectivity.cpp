@@ -6,9 +6,9 @@
 namespace infuse::features {
 namespace {
 
-constexpr uint32_t kReflectivityLevels = 256;
-constexpr uint32_t kRanges = 32;  // quarters of the eight octaves from 1 m on
-constexpr uint32_t kRings = 256;  // no lidar has more; further ones share groups
+constexpr uint32_t kReflectivityLevels = 256;  // reflectivities are bytes in the manuals
+constexpr uint32_t kRanges = 4 * 8;  // two bits for quarters, three for octaves from 1 m on
+constexpr uint32_t kRings = 256;     // bounds memory: no lidar has more; further ones share groups
 
 /// Two bits of a float's mantissa follow its exponent: together they count quarters of octaves.
 uint32_t range_group(float range) {

@@ -8,7 +8,7 @@
 namespace infuse::geometry {
 namespace {
 
-constexpr size_t kLanes = 16;
+constexpr size_t kLanes = 16;  // lanes, whatever the instruction set
 
 /// Pinhole camera and pose in single precision, for the loop over the points.
 struct Pinhole {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "drivers/measurement/simd.hpp"
 
@@ -60,7 +61,7 @@ INFUSE_SIMD_CLONES
 void project_fisheye(const Constants c, const float* __restrict x, const float* __restrict y,
                      const float* __restrict z, size_t count, float* __restrict u,
                      float* __restrict v, float* __restrict depth) {
-  constexpr float kHalfPi = 1.57079632679f, kQuarterPi = 0.785398163397f, kPi = 3.14159265359f;
+  constexpr float kPi = std::numbers::pi_v<float>, kHalfPi = kPi / 2, kQuarterPi = kPi / 4;
   for (size_t n = 0; n < count; ++n) {
     const float px = c.R[0] * x[n] + c.R[1] * y[n] + c.R[2] * z[n] + c.t[0];
     const float py = c.R[3] * x[n] + c.R[4] * y[n] + c.R[5] * z[n] + c.t[1];

@@ -14,6 +14,7 @@ struct Coefficients {
   double e;  ///< (2θ − 3 sin θ + θ cos θ) / 2θ⁵
 
   explicit Coefficients(double squared) {
+    // What the series leave out is below rounding in double precision.
     constexpr double kMaxSeriesAngleSquared = 1e-2;
     const double s = squared;
     if (s < kMaxSeriesAngleSquared) {

@@ -6,7 +6,7 @@ namespace infuse::geometry {
 
 template <int N>
 SymmetricEigen<N> symmetric_eigen(const Eigen::Matrix<double, N, N>& matrix) {
-  constexpr int kMaxSize = 10;
+  constexpr int kMaxSize = 10;  // bounds memory: the largest of the instances below
   using Any = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxSize, kMaxSize>;
   const Eigen::SelfAdjointEigenSolver<Any> solver{Any(matrix)};
   return {solver.eigenvalues(), solver.eigenvectors()};

@@ -10,11 +10,12 @@ namespace infuse::mapping {
 
 /// Settings of the verification of a loop closure.
 struct ClosureCheckOptions {
-  double voxel_size = 0.4;       ///< m, of the clouds that are registered
-  double min_inliers = 0.5;      ///< share of the points with a counterpart
-  double min_agreement = 0.85;   ///< share of what each place can judge of the other and supports
-  double min_overlap = 0.25;     ///< share of all points that are supported
-  double max_difference = 0.15;  ///< m, between both directions of the registration, …
+  double voxel_size = 0.4;   ///< m, of the clouds that are registered
+  double min_inliers = 0.5;  ///< share of the points with a counterpart
+  double min_agreement = registration::kMinPlaceAgreement;  ///< share of what each place can judge
+                                                            ///< of the other and supports
+  double min_overlap = registration::kMinPlaceOverlap;  ///< share of all points that are supported
+  double max_difference = 0.15;           ///< m, between both directions of the registration, …
   double max_difference_rotation = 5e-3;  ///< rad
   /// Standard deviations that are added to what the registration states: of the submaps' own shape.
   double rotation_noise = 1e-3;     ///< rad

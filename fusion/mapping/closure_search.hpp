@@ -15,8 +15,9 @@ struct ClosureSearchOptions {
   double min_distance_driven = 40;  ///< m driven between two keyframes of a closure of one drive
   double max_distance = 6;          ///< m between them
   double spacing = 4;               ///< m driven after a closure until the next one is sought
-  double sigmas = 3;                ///< of the stated uncertainty, within which a closure is sought
-  double max_search = 60;           ///< m; limit of what the uncertainty adds
+  double sigmas = 3;  ///< of the stated uncertainty, within which a closure is sought: 99.7 % of a
+                      ///< Gaussian's errors
+  double max_search = 60;  ///< m; limit of what the uncertainty adds
   double max_guess_error =
       1;  ///< m, standard deviation; beyond it the registration begins without a guess …
   double search_spacing = 10;  ///< m driven; … and no more often than this

@@ -19,7 +19,8 @@ struct EarthFitOptions {
   double vertical_factor = 2;  ///< of the height
   double spacing = 10;         ///< m driven between two fixes that count
   double correlation = 100;    ///< m driven, over which fixes err alike: each counts that much less
-  double max_outlier_sigmas = 4;  ///< a fix further from the fitted poses does not count
+  double max_outlier_sigmas = 4;  ///< a fix further from the fitted poses does not count: one
+                                  ///< in 16 000 of a Gaussian
   size_t min_fixes = 5;           ///< fewer give no georeference
   double min_extent = 10;    ///< m, root mean square of the fixes' distances from their mean; less
                              ///< gives no heading

@@ -8,13 +8,14 @@
 #include "fusion/features/neighbour_search.hpp"
 #include "fusion/mapping/submap.hpp"
 #include "fusion/registration/range_image.hpp"
+#include "fusion/registration/view_agreement.hpp"
 
 namespace infuse::mapping {
 
 /// Settings of the search for points of moving objects.
 struct MovingPointsOptions {
-  double max_range = 40;       ///< m from a view; farther its beams lie too far apart to judge
-  double min_clearance = 1;    ///< m, by which a beam must go on behind a place
+  double max_range = 40;  ///< m from a view; farther its beams lie too far apart to judge
+  double min_clearance = registration::kClearance;  ///< m, by which a beam goes on behind a place
   double support = 0.3;        ///< m, distance of a point of a view that confirms another
   size_t min_refutations = 2;  ///< number of views whose beams passed through
   double min_ratio = 2;        ///< of refutations to confirmations

@@ -8,15 +8,16 @@
 #include <vector>
 
 #include "fusion/geometry/project_points.hpp"
+#include "fusion/registration/lengths.hpp"
 #include "fusion/registration/point_cloud.hpp"
 
 namespace infuse::mapping {
 
 /// Settings of the clouds of a map.
 struct SubmapOptions {
-  double voxel_size = 0.25;  ///< m, one point per voxel
-  double min_range = 2.5;    ///< m; nearer returns are the vehicle's own
-  double max_range = 100;    ///< m
+  double voxel_size = registration::kMapVoxelSize;  ///< m, one point per voxel
+  double min_range = registration::kMinRange;       ///< m; nearer returns are the vehicle's own
+  double max_range = 100;                           ///< m
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;

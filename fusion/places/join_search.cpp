@@ -20,7 +20,6 @@ Result<JoinSearch> search_join(const std::vector<mapping::Keyframe>& keyframes,
                                const std::vector<PlaceDescriptor>& descriptors,
                                const std::vector<size_t>& first_keyframes, size_t first, size_t end,
                                const JoinOptions& options, const VerifyPlaces& verify) {
-  constexpr size_t kSearchedPerCandidate = 6;  // neighbours look alike
   const PlaceIndex index(
       {descriptors.begin(), descriptors.begin() + static_cast<std::ptrdiff_t>(first)});
   JoinSearch search;
@@ -31,7 +30,7 @@ Result<JoinSearch> search_join(const std::vector<mapping::Keyframe>& keyframes,
     next = keyframes[k].distance_driven + options.spacing;
     std::vector<size_t> tried;
     for (const PlaceCandidate& candidate :
-         index.find(descriptors[k], kSearchedPerCandidate * options.candidates)) {
+         index.find(descriptors[k], kSearchedPerPlace * options.candidates)) {
       if (tried.size() == options.candidates) break;
       const bool is_near = std::any_of(tried.begin(), tried.end(), [&](size_t other) {
         return std::abs(keyframes[other].distance_driven -

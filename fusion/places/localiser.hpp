@@ -9,21 +9,22 @@
 
 namespace infuse::places {
 
-/// Settings of the localisation on a map.
+/// Settings of the localisation on a map (decision 20).
 struct LocaliserOptions {
   mapping::KeyframeOptions keyframes{.distance = 4, .rotation = 0.4};  ///< what is compared with
                                                                        ///< the map, so often
   mapping::SubmapOptions submaps;                                      ///< of what was seen
   PlaceMatcherOptions matcher;                                         ///< of places
   /// Probability of a place that is recognised without a guess, and that what was seen since then
-  /// confirms it: the error probability of Wald's sequential test is 1 in 1000 either way.
+  /// confirms it: the error probability of Wald's sequential test is one in a thousand either
+  /// way (decision 12).
   double min_probability = 0.999;
   size_t standing_sweeps = 10;  ///< a search that has seen so many sweeps need not wait for motion
   double confirm_distance = 8;  ///< m from where a place was recognised to where it is confirmed
   double max_unconfirmed = 60;  ///< m without one; then the pose is UNSURE …
   double lost_after = 150;      ///< m; … and then LOST
   double max_sigma = 2;         ///< m, of the position; beyond it the pose is LOST
-  double gate = 5;              ///< standard deviations
+  double gate = 5;              ///< standard deviations; beyond are one in 10⁶ of a Gaussian's
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;

@@ -7,12 +7,14 @@
 
 namespace infuse::places {
 
-inline constexpr int kRings = 20;     ///< of equal width, up to `kMaxDescribedRange`
-inline constexpr int kSectors = 60;   ///< of azimuth, counter-clockwise from the vehicle's x
-inline constexpr int kHarmonics = 6;  ///< of azimuth, in the key
-inline constexpr double kMaxDescribedRange = 80;      ///< m
-inline constexpr double kMaxDescribedHeight = 12.75;  ///< m
-inline constexpr double kHeightStep = 0.05;           ///< m; heights are multiples
+inline constexpr int kRings =
+    20;  ///< of equal width, up to `kMaxDescribedRange` (Kim and Kim 2018)
+inline constexpr int kSectors =
+    60;  ///< of azimuth, counter-clockwise from the vehicle's x (Kim and Kim 2018)
+inline constexpr int kHarmonics = 6;                              ///< of azimuth, in the key
+inline constexpr double kMaxDescribedRange = 80;                  ///< m (Kim and Kim 2018)
+inline constexpr double kHeightStep = 0.05;                       ///< m; heights are multiples
+inline constexpr double kMaxDescribedHeight = 255 * kHeightStep;  ///< m; heights are bytes
 
 /// Shape of a place as a polar map of the heights around it (as Scan Context, Kim and Kim 2018):
 /// turning the vehicle shifts its columns, a few metres of displacement change little.

@@ -7,6 +7,9 @@
 
 namespace infuse::places {
 
+/// Places that look alike and are looked at for each that is verified: neighbours look alike too.
+inline constexpr size_t kSearchedPerPlace = 6;
+
 /// A place that looks like the one sought.
 struct PlaceCandidate {
   size_t place = 0;            ///< index

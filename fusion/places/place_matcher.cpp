@@ -8,12 +8,12 @@
 namespace infuse::places {
 namespace {
 
-constexpr size_t kKeptPlaces = 6;      // prepared clouds
-constexpr size_t kSearchedPlaces = 6;  // times the candidates: neighbours look alike
-constexpr double kMaxLevel = 4;        // m of height between a vehicle and a keyframe of its level
-constexpr double kSamePose = 1;        // m, between two results of one place
+constexpr size_t kKeptPlaces = 6;  // prepared clouds; bounds memory
+constexpr double kMaxLevel =
+    4;  // m of height between a vehicle and a keyframe of its level (decision 20)
+constexpr double kSamePose = 1;  // m, between two results of one place (decision 20)
 // Shares of a search, as in `ClosureCheckOptions`: what has less is improbable beyond counting, and
-// not registered from the other side.
+// not registered from the other side (decision 20).
 constexpr double kMinInliers = 0.3, kMinAgreement = 0.6, kMinOverlap = 0.1;
 
 }  // namespace
@@ -77,7 +77,7 @@ std::vector<PlaceCandidate> PlaceMatcher::look_alikes(const mapping::Submap& clo
   std::vector<PlaceCandidate> out;
   for (const PlaceCandidate& candidate :
        index_.find(describe_place(cloud.points(), T_vehicle_lidar_),
-                   kSearchedPlaces * options_.candidates)) {
+                   kSearchedPerPlace * options_.candidates)) {
     if (out.size() == options_.candidates) break;
     const bool is_near = std::any_of(out.begin(), out.end(), [&](const PlaceCandidate& chosen) {
       return (position(chosen) - position(candidate)).norm() < options_.distinct;

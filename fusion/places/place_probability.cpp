@@ -8,7 +8,7 @@ namespace infuse::places {
 // 60 % of them where no place is right. The product of both shares tells as much as both by
 // themselves and the overlap together.
 double log_odds(const PlaceFit& fit) {
-  constexpr double kBias = -20.0, kWeight = 43.8;
+  constexpr double kBias = -20.0, kWeight = 43.8;  // decision 12
   return kBias + kWeight * fit.inliers * fit.agreement;
 }
 

@@ -3,10 +3,9 @@
 #include <algorithm>
 
 #include "fusion/geometry/rigid_motion.hpp"
+#include "fusion/registration/lengths.hpp"
 
 namespace infuse::registration {
-
-inline constexpr double kLever = 20;  ///< m, of the points that a rotation moves
 
 /// Reweighted least squares creep where points leave and enter the robust kernel: each step is a
 /// little shorter than the one before. From their ratio follows how far all of them would lead

@@ -44,8 +44,8 @@ template <class Number>
 /// across, W = (Cq + R Cp Rᵀ)⁻¹. With a = 1 − ε such a covariance is 1 − a n nᵀ, and
 /// (2 − a N Nᵀ)⁻¹ = ½ + ½ a N (2 − a NᵀN)⁻¹ Nᵀ with N = (n₁ n₂).
 struct GicpFactor {
-  static constexpr int kDirections = 2;
-  static constexpr double kIsotropic = 0.5;
+  static constexpr int kDirections = 2;      // N above, P 4.2.2
+  static constexpr double kIsotropic = 0.5;  // ½ above, P 4.2.2
   PairNoise noise;
 
   template <class Number>
@@ -83,7 +83,7 @@ struct MapPlaneFactor : GicpFactor {
 
 /// Distance of a point from the target's plane (Chen and Medioni 1992): W = n nᵀ.
 struct PointToPlaneFactor {
-  static constexpr int kDirections = 1;
+  static constexpr int kDirections = 1;  // n above (Chen and Medioni 1992)
   static constexpr double kIsotropic = 0;
   PairNoise noise{.plane_variance = 0.5};
 

@@ -50,7 +50,7 @@ std::vector<Eigen::Index> nearest_features(const Eigen::MatrixXf& features,
                                            const Eigen::MatrixXf& among) {
   // All histograms have the same norm, so the nearest has the largest product.
   std::vector<Eigen::Index> nearest(static_cast<size_t>(features.cols()));
-  constexpr Eigen::Index kBlock = 256;
+  constexpr Eigen::Index kBlock = 256;  // bounds memory
   for (Eigen::Index begin = 0; begin < features.cols(); begin += kBlock) {
     const Eigen::Index count = std::min(kBlock, features.cols() - begin);
     const Eigen::MatrixXf products = among.transpose() * features.middleCols(begin, count);

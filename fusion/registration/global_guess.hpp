@@ -6,6 +6,7 @@
 #include "fusion/features/fpfh.hpp"
 #include "fusion/registration/gicp.hpp"
 #include "fusion/registration/rigid_consensus.hpp"
+#include "fusion/registration/view_agreement.hpp"
 
 namespace infuse::registration {
 
@@ -15,9 +16,10 @@ struct GlobalGuessOptions {
   features::FpfhOptions fpfh;                         ///< of the features
   size_t max_keypoints = 3000;                        ///< of each scan, the most distinctive ones
   RigidConsensusOptions consensus{.hypotheses = 12};  ///< of the features
-  double min_agreement = 0.85;  ///< share of the points that a scan can judge and supports
-  double min_lead = 0.2;  ///< by which every other pose's score is lower, as a share of the best
-  double min_overlap = 0.25;  ///< share of all points that are supported
+  double min_agreement =
+      kMinPlaceAgreement;  ///< share of the points that a scan can judge and supports
+  double min_lead = 0.2;   ///< by which every other pose's score is lower, as a share of the best
+  double min_overlap = kMinPlaceOverlap;  ///< share of all points that are supported
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;

@@ -3,18 +3,19 @@
 #include <optional>
 #include <string>
 
+#include "fusion/registration/lengths.hpp"
 #include "fusion/registration/voxel_map.hpp"
 
 namespace infuse::registration {
 
 /// Settings of the lidar odometry.
 struct LidarOdometryOptions {
-  VoxelMapOptions map;                 ///< the local map
-  double min_range = 2.5;              ///< m; nearer returns are the vehicle's own
-  double map_voxel_size = 0.25;        ///< m; a sweep adds one point per voxel to the map
-  double match_voxel_size = 1.5;       ///< m; a sweep is registered by one point per voxel …
-  size_t min_match_points = 2000;      ///< … or per smaller voxel until there are so many,
-  double min_match_voxel_size = 0.25;  ///< m; but not below that
+  VoxelMapOptions map;                    ///< the local map
+  double min_range = kMinRange;           ///< m; nearer returns are the vehicle's own
+  double map_voxel_size = kMapVoxelSize;  ///< m; a sweep adds one point per voxel to the map
+  double match_voxel_size = 1.5;          ///< m; a sweep is registered by one point per voxel …
+  size_t min_match_points = 2000;         ///< … or per smaller voxel until there are so many,
+  double min_match_voxel_size = kMapVoxelSize;  ///< m; but not below that
   double radius = 1.0;        ///< m; planes of the map are fitted to points within it, at first …
   double final_radius = 0.6;  ///< m; … and in the last iterations
   double robust_width = 0.1;  ///< m; distance from its plane at which a point counts a quarter

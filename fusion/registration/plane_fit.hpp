@@ -8,7 +8,7 @@ namespace infuse::registration {
 
 using features::Doubles;
 
-inline constexpr int kPlanes = 8;  ///< planes fitted side by side
+inline constexpr int kPlanes = 8;  ///< planes fitted side by side: lanes of `Doubles`
 
 /// Upper triangles of eight symmetric positive semidefinite 3 × 3 matrices: xx, xy, xz, yy, yz, zz.
 using Covariances = std::array<Doubles, 6>;

@@ -19,7 +19,8 @@ struct PoseSystem {
   double radius = 0;  ///< m, root mean square distance of the points from the mean
 };
 
-/// Sums over pairs: upper triangle of `planes`, gradient, cost, weight, first and second moments.
+/// Number of sums over pairs, by definition: upper triangle of `planes`, gradient, cost, weight,
+/// first and second moments.
 inline constexpr int kPoseSums = 21 + 6 + 2 + 3 + 6;
 
 /// The system of those sums; `isotropic` is the factor's kIsotropic.

@@ -28,7 +28,8 @@ struct RigidConsensusOptions {
   double inlier_distance = 0.6;  ///< m, up to which a moved source point agrees with its target
   double min_side = 2;           ///< m, shortest side of a sampled triangle, and of its counterpart
   size_t min_inliers = 8;        ///< fewer are no consensus
-  double probability = 0.999;    ///< that a sample of three right correspondences was drawn
+  double probability = 0.999;    ///< that a sample of three right correspondences was drawn: a
+                                 ///< failure is one in a thousand (Fischler and Bolles 1981)
   double min_share = 0.02;  ///< smallest share of right correspondences that this holds for; 0.02
                             ///< takes 860 000 samples
   size_t hypotheses = 1;    ///< maximum number of poses that are returned

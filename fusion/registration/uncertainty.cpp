@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "fusion/geometry/symmetric_eigen.hpp"
+#include "fusion/registration/lengths.hpp"
 #include "fusion/registration/voxel_key.hpp"
 
 namespace infuse::registration {
@@ -13,15 +14,15 @@ namespace {
 using geometry::Matrix6;
 using geometry::Vector6;
 
-constexpr double kClusterSize = 4;      // m; residuals further apart are taken as independent
-constexpr size_t kClusterSlots = 4096;  // clusters that share one are added: a larger cluster
+constexpr size_t kClusterSlots = 4096;  // bounds memory: clusters that share one are one
 constexpr double kMinArm = 0.1;         // m; points nearer to an axis do not show the rotation
-constexpr double kNoiseFloor = 0.001;   // m; error of a cluster that its residuals do not show
+constexpr double kNoiseFloor =
+    0.001;  // m; error of a cluster that its residuals hide (decision 20)
 
 /// What the noise of normals adds to Σ w (Jn)(Jn)ᵀ: of pairs whose normal is the commonest one but
 /// for its noise, the difference from that of the commonest one.
 Matrix6 tilt_by_noise(const Pairs& pairs, const PoseSystem& system, const PairNoise& noise) {
-  constexpr float kSigmas = 3;
+  constexpr float kSigmas = 3;  // 99.7 % of a Gaussian
   const Eigen::Vector3f common =
       geometry::symmetric_eigen<3>(system.planes.bottomRightCorner<3, 3>())
           .vectors.col(2)

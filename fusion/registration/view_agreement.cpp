@@ -7,7 +7,6 @@ namespace infuse::registration {
 namespace {
 
 constexpr float kSupport = 0.6F;         // m, distance of a point that supports another
-constexpr float kClearance = 1.0F;       // m, by which a beam must go on behind a place
 constexpr float kAlongCommonest = 0.8F;  // cosine between a normal and the commonest one
 
 /// Direction of which most normals have a large part.
@@ -51,7 +50,7 @@ ViewAgreement ViewOfScan::judge(const PointCloud& other,
       continue;
     }
     const float range = p.norm(), seen = ranges_.range_towards(p);
-    ++(seen > range + kClearance ? out.refuted : out.unseen);
+    ++(seen > range + static_cast<float>(kClearance) ? out.refuted : out.unseen);
   }
   return out;
 }

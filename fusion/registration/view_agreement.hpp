@@ -7,6 +7,13 @@
 
 namespace infuse::registration {
 
+/// m, by which a beam must go on behind a place to refute what is there.
+inline constexpr double kClearance = 1;
+
+/// Least share of the points that two scans can judge of each other and support, and of all points,
+/// of a pose found without or with a guess.
+inline constexpr double kMinPlaceAgreement = 0.85, kMinPlaceOverlap = 0.25;
+
 /// What one scan sees of the points of another at a pose, in numbers of points.
 struct ViewAgreement {
   size_t supported = 0;  ///< with a point of the scan beside them

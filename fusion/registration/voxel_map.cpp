@@ -6,15 +6,14 @@
 #include <limits>
 
 #include "drivers/measurement/simd.hpp"
+#include "fusion/registration/lengths.hpp"
 #include "fusion/registration/plane_fit.hpp"
 #include "fusion/registration/voxel_key.hpp"
 
 namespace infuse::registration {
 namespace {
 
-constexpr int kMoments = 10;  // weight, first and second moments
-// m, of a return, at least: few points may lie on a plane by chance.
-constexpr double kRangeNoise = 0.02;
+constexpr int kMoments = 1 + 3 + 6;  // by definition: weight, first and second moments
 
 /// Sum over the lanes, in one order on every processor.
 [[gnu::always_inline]] inline float sum(const Floats& v) {
@@ -228,6 +227,7 @@ void VoxelMap::find_planes(const Eigen::Vector3d& anchor, double radius,
       const double flat = plane ? 1 - 2 * planes.smallest[lane] / planes.others[lane] : 0;
       pairs.weight[i] = static_cast<float>(std::max(flat, 0.0) * std::max(flat, 0.0));
       // A variance λ₀ across n points tilts their plane by λ₀/n (1/λ₁ + 1/λ₂).
+      // Few points may lie on a plane by chance.
       const double across = std::max(planes.smallest[lane], kRangeNoise * kRangeNoise);
       const double by_noise = across * share[lane] * planes.others[lane] / planes.product[lane];
       pairs.tilt[i] = plane ? static_cast<float>(by_noise) : 0;

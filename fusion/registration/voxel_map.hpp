@@ -14,11 +14,12 @@ namespace infuse::registration {
 /// Settings of the local map.
 struct VoxelMapOptions {
   double voxel_size = 1;       ///< m
-  double min_spacing = 0.1;    ///< m between the points of a voxel, of which there are at most 16
+  double min_spacing = 0.1;    ///< m between the points of a voxel, at most 16 (decision 20)
   double range = 100;          ///< m; voxels farther from the lidar are dropped
   size_t max_voxels = 65'536;  ///< maximum number of voxels, 256 bytes each; more are not added
   int min_points = 5;          ///< fewer near a point give no plane
   double min_spread = 0.2;     ///< as in `CovarianceOptions`: a line or strip gives no plane
+                               ///< (decision 10)
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;

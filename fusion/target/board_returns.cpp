@@ -14,7 +14,7 @@ using Points = std::vector<Eigen::Vector3d>;
 
 /// Minimum standard deviation of the returns as a fraction of the board's half size: that of
 /// returns on the middle half.
-constexpr double kMinRelativeWidth = 0.29;
+constexpr double kMinRelativeWidth = 0.29;  // 1/√12, the standard deviation of a uniform density
 
 /// Plane of the points x with normal · x = distance.
 struct Plane {

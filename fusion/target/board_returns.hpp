@@ -17,8 +17,9 @@ namespace infuse::target {
 struct BoardReturnsOptions {
   double margin = 0.25;  ///< m; maximum displacement of a board by errors of the initial extrinsics
   double max_tilt = 0.25;   ///< rad; maximum tilt by the same
-  double thickness = 0.05;  ///< m; maximum distance of a return from the plane (2.5 σ of the range)
-  int min_returns = 30;     ///< minimum number of returns on a board
+  double thickness = 0.05;  ///< m; maximum distance of a return from the plane (2.5 σ of the range:
+                            ///< 98.8 % of a Gaussian)
+  int min_returns = 30;         ///< minimum number of returns on a board
   int ransac_iterations = 400;  ///< RANSAC iterations, three returns each
   uint64_t seed = 1;
 

@@ -15,7 +15,8 @@ struct SolveTargetOptions {
   double range_noise = 0.02;   ///< m along the beam, standard deviation (P 3.2.2); the value
                                ///< estimated from the returns' distances to their planes is used if
                                ///< it is larger
-  double max_mahalanobis = 5;  ///< standard deviations; views beyond are rejected
+  double max_mahalanobis = 5;  ///< standard deviations; views beyond are rejected: one in 10⁶ of a
+                               ///< Gaussian
   double inlier_tolerance = 0.01;     ///< m of offset plus rad of tilt; views within are never
                                       ///< rejected
   double max_rotation_sigma = 0.005;  ///< rad; maximum standard deviation of a determined direction

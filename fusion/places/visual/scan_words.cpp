@@ -14,11 +14,8 @@
 namespace infuse::places {
 namespace {
 
-constexpr int kSide = 80, kLayers = 14;  // voxels of a map scan: ±40 m, −2 … 12 m
 constexpr float kLowest = -2;
 constexpr float kReach = 39;  // m
-
-static_assert(kSide * kSide * kLayers == kPlaceVoxels);
 
 /// Rank of every grey value within an image, 0 … 7.
 std::array<int16_t, 256> grey_levels(const features::Plane& image) {
@@ -95,7 +92,8 @@ ScanWords describe_scan(const registration::CameraLidarScan& scan,
   for (size_t i = 0; i < sweep.size(); ++i) {
     const Eigen::Vector3f p =
         T * Eigen::Vector3f(sweep.points.x[i], sweep.points.y[i], sweep.points.z[i]);
-    if (!(p.head<2>().norm() <= kReach && p.z() >= kLowest && p.z() < kLowest + kLayers)) continue;
+    if (!(p.head<2>().norm() <= kReach && p.z() >= kLowest && p.z() < kLowest + kPlaceLayers))
+      continue;
     VoxelSums& v = cells[{static_cast<int>(std::floor(p.x())), static_cast<int>(std::floor(p.y())),
                           static_cast<int>(std::floor(p.z()))}];
     v.sum += p;
@@ -139,12 +137,13 @@ double word_information(const std::vector<std::pair<int, int>>& pairs, size_t fe
 }
 
 int voxel_index(const Eigen::Vector3f& point) {
-  const int column = static_cast<int>(std::floor(point.x())) + kSide / 2;
-  const int row = static_cast<int>(std::floor(point.y())) + kSide / 2;
+  const int column = static_cast<int>(std::floor(point.x())) + kPlaceSide / 2;
+  const int row = static_cast<int>(std::floor(point.y())) + kPlaceSide / 2;
   const int layer = static_cast<int>(std::floor(point.z() - kLowest));
-  if (column < 0 || column >= kSide || row < 0 || row >= kSide || layer < 0 || layer >= kLayers)
+  if (column < 0 || column >= kPlaceSide || row < 0 || row >= kPlaceSide || layer < 0 ||
+      layer >= kPlaceLayers)
     return -1;
-  return (layer * kSide + row) * kSide + column;
+  return (layer * kPlaceSide + row) * kPlaceSide + column;
 }
 
 MapScan::MapScan(ScanWords words) : words_(std::move(words)), voxel_at_(kPlaceVoxels, -1) {

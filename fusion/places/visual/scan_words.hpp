@@ -39,8 +39,9 @@ struct TotalInformation {
   double total(bool grey) const { return (grey ? reflectivity_grey : reflectivity) + normals; }
 };
 
-/// Number of voxels about a place: ±40 m, −2 … 12 m.
-inline constexpr int kPlaceVoxels = 80 * 80 * 14;
+/// Voxels about a place: ±40 m along and across, −2 … 12 m.
+inline constexpr int kPlaceSide = 80, kPlaceLayers = 14;
+inline constexpr int kPlaceVoxels = kPlaceSide * kPlaceSide * kPlaceLayers;
 
 /// Index of the voxel of a point (m), or −1 outside.
 int voxel_index(const Eigen::Vector3f& point);

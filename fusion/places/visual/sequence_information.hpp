@@ -22,9 +22,10 @@ CellWords cell_words(const std::vector<ImageDescriptor>& images,
 
 /// Settings of the matching by information.
 struct SequenceInformationOptions {
-  size_t length = 21;         ///< images of the query that are matched together
-  int memory = 1;             ///< images before that the information is conditioned on; 0: mutual
-  size_t neighbourhood = 10;  ///< places beside the best that are not another answer
+  size_t length = SequenceMatchOptions{}.length;  ///< images of the query that are matched together
+  int memory = 1;  ///< images before that the information is conditioned on; 0: mutual
+  size_t neighbourhood =
+      SequenceMatchOptions{}.neighbourhood;  ///< places beside the best that are not another answer
 };
 
 /// Finds each image of the query by the sequence about it: the places whose sequence of codewords

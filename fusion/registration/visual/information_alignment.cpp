@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "fusion/calibration/ascent.hpp"
+#include "fusion/registration/lengths.hpp"
 #include "fusion/registration/rigid_consensus.hpp"
 
 namespace infuse::registration {
@@ -15,10 +16,7 @@ namespace {
 using geometry::Vector6;
 
 constexpr int kFits = 4;  // least-squares fits, each with the correspondences of the one before
-constexpr double kNoise = 0.02;  // m, of a range: no fit is better, though both scans be the same
-constexpr double kCluster = 4;   // m, side of the cells whose residuals are taken together
 constexpr size_t kMinClusters = 8;  // fewer cells say too little about six parameters
-constexpr double kArm = 20;         // m: a rotation counts as what it moves at this distance
 
 /// A pose and the mutual information there.
 struct Candidate {
@@ -47,7 +45,7 @@ class Aligner {
   Candidate climb(const Eigen::Isometry3d& T) {
     const auto pose = [&](const Vector6& d) -> Eigen::Isometry3d {
       Vector6 twist = radius_ * d;
-      twist.head<3>() /= kArm;
+      twist.head<3>() /= kLever;
       return T * geometry::exp(twist);
     };
     const auto value = [&](const Vector6& d, Vector6*) { return evaluate(pose(d)); };
@@ -57,7 +55,7 @@ class Aligner {
 
   /// The best planar poses, at least two steps of the grid apart.
   std::vector<Candidate> search_grid() {
-    const double step = radius_, turn = radius_ / kArm;
+    const double step = radius_, turn = radius_ / kLever;
     const int steps = static_cast<int>(options_.max_distance / step);
     const int turns = static_cast<int>(options_.max_heading / turn);
     std::vector<Candidate> grid;
@@ -98,10 +96,10 @@ class Aligner {
     return equal;
   }
 
-  /// True if two poses differ by less than `distance` (m), rotations at kArm.
+  /// True if two poses differ by less than `distance` (m), rotations at kLever.
   static bool same(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double distance) {
     const Vector6 d = geometry::log(a.inverse() * b);
-    return d.head<3>().norm() * kArm < distance && d.tail<3>().norm() < distance;
+    return d.head<3>().norm() * kLever < distance && d.tail<3>().norm() < distance;
   }
 
  private:
@@ -133,7 +131,7 @@ geometry::Matrix6 fit_covariance(const Correspondences& equal, const Eigen::Isom
   for (size_t i = 0; i < equal.size(); ++i) {
     const Eigen::Vector3d moved = T * equal.source[i];
     const Eigen::Matrix<double, 3, 6> J = jacobian(moved);
-    const Eigen::Array3i cell = (equal.source[i] / kCluster).array().floor().cast<int>();
+    const Eigen::Array3i cell = (equal.source[i] / kClusterSize).array().floor().cast<int>();
     for (Cluster* c : {&all, &clusters[{cell.x(), cell.y(), cell.z()}]}) {
       c->A += J.transpose() * J;
       c->gradient += J.transpose() * (equal.target[i] - moved);
@@ -146,7 +144,7 @@ geometry::Matrix6 fit_covariance(const Correspondences& equal, const Eigen::Isom
     covariance += moved * moved.transpose();
   }
   const auto n = static_cast<double>(clusters.size());
-  return (n - 1) / n * covariance + kNoise * kNoise * all.A.inverse();
+  return (n - 1) / n * covariance + kRangeNoise * kRangeNoise * all.A.inverse();
 }
 
 }  // namespace

@@ -1,11 +1,14 @@
 #include "fusion/registration/visual/learned_codebook.hpp"
 
 #include <array>
+#include <tuple>
+
+#include "fusion/features/fpfh.hpp"
 
 namespace infuse::registration {
 namespace {
 
-constexpr size_t kRows = 33 + 128;  // FPFH and SIFT
+constexpr size_t kRows = std::tuple_size_v<features::Fpfh> + 128;  // FPFH and SIFT (Lowe 2004)
 
 /// For each codeword its number of features and its elements, in 1/255.
 constexpr auto kNumbers = std::to_array<uint16_t>({

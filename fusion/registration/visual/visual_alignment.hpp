@@ -15,8 +15,7 @@ struct VisualAlignmentOptions {
   double keypoint_radius = 2;  ///< pixels, from a keypoint to the return that gives its place
   double max_ratio = 0.85;     ///< of the distances to the nearest and the second nearest
                                ///< descriptor, for a match (Lowe 2004)
-  RigidConsensusOptions consensus{
-      .inlier_distance = 0.4, .min_side = 1, .min_inliers = 8, .min_share = 0.03};
+  RigidConsensusOptions consensus{.inlier_distance = 0.4, .min_side = 1, .min_share = 0.03};
   double min_agreement = 0.7;  ///< share of the points that a scan can judge and supports
 
   /// What is wrong with the settings, or nothing.

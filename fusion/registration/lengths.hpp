@@ -1,0 +1,20 @@
+#pragma once
+
+namespace infuse::registration {
+
+/// m; nearer returns are the vehicle's own.
+inline constexpr double kMinRange = 2.5;
+
+/// m, standard deviation of a range, by the manual of the HDL-32E.
+inline constexpr double kRangeNoise = 0.02;
+
+/// m, side of the voxels of a map, of which each keeps one point of a sweep (decision 20).
+inline constexpr double kMapVoxelSize = 0.25;
+
+/// m; residuals of points that are further apart are taken as independent.
+inline constexpr double kClusterSize = 4;
+
+/// m; a rotation counts as what it moves at this distance.
+inline constexpr double kLever = 20;
+
+}  // namespace infuse::registration
