@@ -7,7 +7,7 @@
 namespace infuse::mapping {
 namespace {
 
-constexpr size_t kReach = 3;  // poses between the ends of neighbours (decision 20)
+constexpr size_t kReach = 3;  // poses between the ends of neighbours (decision 17)
 
 bool near(size_t a, size_t b) { return std::max(a, b) - std::min(a, b) <= kReach; }
 

@@ -15,13 +15,13 @@ namespace infuse::mapping {
 namespace {
 
 constexpr double kMinEvidence = 4.6;  // nats: one false closure in a hundred has as much by chance
-constexpr double kHopeless = -20;  // nats: evidence that few acceptances will change (decision 20)
+constexpr double kHopeless = -20;  // nats: evidence that few acceptances will change (decision 17)
 // Of the covariances, once, when nothing more is accepted (decision 14). Widened further, chance
 // makes false closures as plausible as true ones: on graphs of spheres and tori half of them were
 // accepted.
 constexpr double kWidening = 2;
 constexpr double kLeverInSteps =
-    20;  // lever of a rotation's error, in steps of the odometry; decision 20
+    20;  // lever of a rotation's error, in steps of the odometry; decision 17
 
 template <int D>
 using Twist = Eigen::Matrix<double, kPoseFreedom<D>, 1>;

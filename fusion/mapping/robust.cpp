@@ -11,9 +11,9 @@
 namespace infuse::mapping {
 namespace {
 
-constexpr int kMaxPasses = 10;        // decision 20
-constexpr double kScaleLimit = 1000;  // decision 20
-// Of a group's mean χ², in units of that of all closures (decision 20).
+constexpr int kMaxPasses = 10;        // decision 17
+constexpr double kScaleLimit = 1000;  // decision 17
+// Of a group's mean χ², in units of that of all closures (decision 17).
 constexpr double kSuspicious = 2;
 constexpr double kBetter = 5;   // χ²; less is chance (decision 14)
 constexpr int kMaxTrials = 10;  // without a group; each costs an optimisation or more (decision 14)

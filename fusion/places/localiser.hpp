@@ -9,7 +9,7 @@
 
 namespace infuse::places {
 
-/// Settings of the localisation on a map (decision 20).
+/// Settings of the localisation on a map (decision 17).
 struct LocaliserOptions {
   mapping::KeyframeOptions keyframes{.distance = 4, .rotation = 0.4};  ///< what is compared with
                                                                        ///< the map, so often

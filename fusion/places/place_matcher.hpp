@@ -24,7 +24,7 @@ struct PlaceMap {
   std::function<Result<mapping::Submap>(size_t keyframe)> read_cloud;
 };
 
-/// Settings of the comparison of a cloud with the places of a map (decision 20).
+/// Settings of the comparison of a cloud with the places of a map (decision 17).
 struct PlaceMatcherOptions {
   mapping::ClosureCheckOptions check;  ///< near a pose that is known
   size_t candidates = 4;               ///< places that a search verifies, …

@@ -8,7 +8,7 @@ inline constexpr double kMinRange = 2.5;
 /// m, standard deviation of a range, by the manual of the HDL-32E.
 inline constexpr double kRangeNoise = 0.02;
 
-/// m, side of the voxels of a map, of which each keeps one point of a sweep (decision 20).
+/// m, side of the voxels of a map, of which each keeps one point of a sweep (decision 17).
 inline constexpr double kMapVoxelSize = 0.25;
 
 /// m; residuals of points that are further apart are taken as independent.

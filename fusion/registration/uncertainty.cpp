@@ -17,7 +17,7 @@ using geometry::Vector6;
 constexpr size_t kClusterSlots = 4096;  // bounds memory: clusters that share one are one
 constexpr double kMinArm = 0.1;         // m; points nearer to an axis do not show the rotation
 constexpr double kNoiseFloor =
-    0.001;  // m; error of a cluster that its residuals hide (decision 20)
+    0.001;  // m; error of a cluster that its residuals hide (decision 17)
 
 /// What the noise of normals adds to Σ w (Jn)(Jn)ᵀ: of pairs whose normal is the commonest one but
 /// for its noise, the difference from that of the commonest one.

@@ -14,7 +14,7 @@ namespace infuse::registration {
 /// Settings of the local map.
 struct VoxelMapOptions {
   double voxel_size = 1;       ///< m
-  double min_spacing = 0.1;    ///< m between the points of a voxel, at most 16 (decision 20)
+  double min_spacing = 0.1;    ///< m between the points of a voxel, at most 16 (decision 17)
   double range = 100;          ///< m; voxels farther from the lidar are dropped
   size_t max_voxels = 65'536;  ///< maximum number of voxels, 256 bytes each; more are not added
   int min_points = 5;          ///< fewer near a point give no plane
