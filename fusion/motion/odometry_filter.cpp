@@ -231,8 +231,8 @@ void OdometryFilter::update_wheel_speeds(const WheelOdometry& sample) {
 // by more than half, or turn as before, for as long as a vehicle slides on ice at most (0.1 g).
 bool OdometryFilter::have_jumped(const WheelOdometry& sample, bool at_rest) {
   constexpr double kMaxAcceleration = 12, kIce = 1;  // m/s²
-  constexpr double kUnseen = 1;       // m/s, below which sensors of wheels see no teeth
-  constexpr double kNoiseSigmas = 4;  // as the gate of a sample
+  constexpr double kUnseen = 1;                      // m/s; below it sensors of wheels see no teeth
+  constexpr double kNoiseSigmas = 4;                 // beyond are 0.006 % of a Gaussian
   if (!last_wheels_) return false;
   const double noise = at_rest ? kUnseen : kNoiseSigmas * options_.wheel_noise;
   const double change = smallest_change(*last_wheels_, sample);
