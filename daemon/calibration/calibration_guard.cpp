@@ -11,6 +11,14 @@ std::optional<CalibrationEstimate> estimate_of(const std::optional<monitoring::R
                              from->scenes,         from->reason,     from->T_initial};
 }
 
+/// Of drive time; a search takes a few tenths of a second of a processor.
+constexpr double kSearchDelay = 0.5;  // s
+
+monitoring::MonitorOptions searching_in_background(monitoring::MonitorOptions options) {
+  options.background_search = true;
+  return options;
+}
+
 /// Held while a re-estimation runs: those of several cameras run one after the other, in the memory
 /// of one.
 std::mutex& turn() {
@@ -24,8 +32,9 @@ CalibrationGuard::CalibrationGuard(const CameraMount& mount, const CalibrationSe
                                    bool blocking)
     : intrinsics_(mount.intrinsics),
       settings_(settings),
-      monitor_(mount.intrinsics, mount.T_camera_lidar, settings.monitor),
+      monitor_(mount.intrinsics, mount.T_camera_lidar, searching_in_background(settings.monitor)),
       supervisor_(mount.T_camera_lidar, settings.supervisor),
+      search_(blocking),
       background_(blocking) {
   report_.camera = mount.name;
   report_.policy = settings.supervisor.policy;
@@ -41,7 +50,9 @@ const CalibrationReport* CalibrationGuard::process(const CameraFrame& grey,
     supervisor_.finish_reestimation(result_);
   }
   if (!background_.busy()) monitor_.scenes().end_lending();
+  if (search_.consume_result(now)) monitor_.finish_search();
   observed_ = monitor_.process(grey, sweep, motion);
+  search_drift(now);
   if (observed_.evaluated) {
     ++evaluations_;
     dependence_ = observed_.dependence;
@@ -94,6 +105,13 @@ const CalibrationReport* CalibrationGuard::report(Stamp now, bool changed) {
   reported_at_ = now;
   fill_report(now);
   return &report_;
+}
+
+void CalibrationGuard::search_drift(Stamp now) {
+  if (!monitor_.search_due() || search_.busy()) return;
+  monitor_.begin_search();
+  search_.start(now, from_seconds(kSearchDelay),
+                [this](const std::stop_token&) { monitor_.run_search(); });
 }
 
 void CalibrationGuard::start_reestimation(const monitoring::SupervisorActions& actions, Stamp now) {

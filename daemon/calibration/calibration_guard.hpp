@@ -36,8 +36,11 @@ class CalibrationGuard {
   /// Returns the report at the end of a drive; null if nothing has changed since the last.
   const CalibrationReport* report_at_end(Stamp now);
 
-  /// Stops re-estimation, and starts none from now on; from any thread.
-  void shut_down() { background_.shut_down(); }
+  /// Stops the background work, and starts none from now on; from any thread.
+  void shut_down() {
+    search_.shut_down();
+    background_.shut_down();
+  }
 
   /// The calibration in use.
   const Eigen::Isometry3d& T_camera_lidar() const { return supervisor_.current(); }
@@ -49,6 +52,7 @@ class CalibrationGuard {
 
  private:
   void perform(const monitoring::SupervisorActions& actions, Stamp now);
+  void search_drift(Stamp now);
   void start_reestimation(const monitoring::SupervisorActions& actions, Stamp now);
   const CalibrationReport* report(Stamp now, bool changed);
   void fill_report(Stamp now);
@@ -65,7 +69,8 @@ class CalibrationGuard {
   uint64_t evaluations_ = 0;
   std::optional<Stamp> reported_at_;
   CalibrationReport report_;
-  BackgroundWorker background_;  // last member: its work uses the others
+  BackgroundWorker search_;      // of the monitor's drift
+  BackgroundWorker background_;  // last members: their work uses the others
 };
 
 }  // namespace infuse::daemon

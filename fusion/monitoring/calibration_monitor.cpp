@@ -10,11 +10,10 @@ namespace {
 
 using geometry::Vector6;
 
-constexpr double kMaxGap = 2;                // s; the motion during a longer gap is unknown
-constexpr double kNegligibleEvidence = 0.5;  // nats
-constexpr int kEvaluationsPerMove = 3;       // of the pose that follows a drift
-constexpr double kSignificantMove = 3;       // standard deviations: of 15 steps one in 25 by chance
-constexpr double kWholeStep = 0.7;           // of a step: the maximum may lie beyond it
+constexpr double kMaxGap = 2;                 // s; the motion during a longer gap is unknown
+constexpr double kNegligibleEvidence = 0.5;   // nats
+constexpr double kSearchEvidence = 2;         // nats: odds of 7 : 1, before a drift is suspected
+constexpr int kEvaluationsPerSearch = 3;      // until following scenes support a pose
 constexpr double kHalfInformationPeak = 0.1;  // nats; a peak of this height has information ½
 
 /// Fits the parabola through three values one step apart.
@@ -56,6 +55,7 @@ CalibrationMonitor::CalibrationMonitor(const CameraIntrinsics& camera,
       T_camera_lidar_(T_camera_lidar),
       dependence_(options.weights),
       detector_(options.detector),
+      search_(options.weights),
       camera_check_(options.camera_check),
       scene_store_(options.scene_store) {
   features::find_ring_directions(camera_, T_camera_lidar, step_, rings_);
@@ -66,6 +66,8 @@ void CalibrationMonitor::set_calibration(const Eigen::Isometry3d& T_camera_lidar
   features::find_ring_directions(camera_, T_camera_lidar, step_, rings_);
   detector_.restart();
   led_.reset();
+  job_.outdated = true;
+  search_due_ = false;
   last_without_evidence_ = last_stamp_.value_or(Stamp::earliest());
 }
 
@@ -115,8 +117,10 @@ double CalibrationMonitor::step_for(Axis axis) const {
 CalibrationMonitor::Surroundings CalibrationMonitor::evaluate(
     const Eigen::Isometry3d& T_camera_lidar, const Motion& motion) {
   Surroundings around;
-  around.centre = dependence_.evaluate(T_camera_lidar, image_, points_, camera_);
-  const double coarse_centre = dependence_.evaluate(T_camera_lidar, image_, points_, camera_, true);
+  around.centre =
+      dependence_.evaluate(T_camera_lidar, image_.compared().fine, points_.compared(), camera_);
+  const double coarse_centre =
+      dependence_.evaluate(T_camera_lidar, image_.compared().coarse, points_.compared(), camera_);
   for (size_t k = 0; k < kAxes; ++k) {
     const auto axis = static_cast<Axis>(k);
     const double step = step_for(axis);
@@ -129,8 +133,9 @@ CalibrationMonitor::Surroundings CalibrationMonitor::evaluate(
       direction(static_cast<Eigen::Index>(base_axis(axis))) = 1;
     }
     const auto evaluate_at = [&](double distance) {
-      return dependence_.evaluate(geometry::exp(distance * direction) * T_camera_lidar, image_,
-                                  points_, camera_, is_far(axis));
+      return dependence_.evaluate(geometry::exp(distance * direction) * T_camera_lidar,
+                                  is_far(axis) ? image_.compared().coarse : image_.compared().fine,
+                                  points_.compared(), camera_);
     };
     const double above = evaluate_at(step);
     const double below = evaluate_at(-step);
@@ -142,67 +147,105 @@ CalibrationMonitor::Surroundings CalibrationMonitor::evaluate(
   return around;
 }
 
-/// Moves a second pose to where the dependence is highest, one axis at a time.
-void CalibrationMonitor::follow_drift(const Surroundings& around, const Motion& motion) {
-  if (!detector_.suspected()) return led_.reset();
-  if (!led_) {
-    led_.emplace(Monitored{T_camera_lidar_, detector_, {}});
-    led_->detector.restart();
-    led_move_.setConstant(options_.wide_rotation_step);  // not known yet
-  }
-  const bool has_moved = led_->T_camera_lidar.matrix() != T_camera_lidar_.matrix();
-  led_->detector.add(has_moved ? evaluate(led_->T_camera_lidar, motion).axes : around.axes);
-  if (led_->detector.evaluations_since_restart() < kEvaluationsPerMove) return;
-  Axis leading = Axis::kRotationX;
-  double most = 0;  // standard deviations
-  for (size_t k = 0; k < kAxes; ++k) {
-    const auto axis = static_cast<Axis>(k);
-    if (base_axis(axis) == Axis::kTime) continue;
-    const double sigmas = std::abs(led_->detector.offset(axis)) / led_->detector.sigma(axis);
-    if (sigmas > most) {
-      most = sigmas;
-      leading = axis;
-    }
-  }
-  led_move_.setZero();
-  led_far_ = false;
-  if (most < kSignificantMove) return;
-  const double moved = led_->detector.offset(leading);
-  led_move_(static_cast<Eigen::Index>(base_axis(leading))) = moved;
-  led_far_ = leading >= Axis::kFartherRotationX && std::abs(moved) > kWholeStep * step_for(leading);
-  led_->T_camera_lidar = geometry::exp(led_move_) * led_->T_camera_lidar;
-  led_->detector.restart();
+/// Compares the pose of the last search with the calibration, in a scene that was not searched.
+void CalibrationMonitor::compare_led() {
+  if (!led_) return;
+  ++led_->evaluations;
+  if (!led_->matters) return;
+  const auto value = [&](const Eigen::Isometry3d& T) {
+    return dependence_.evaluate(T, image_.compared().fine, points_.compared(), camera_);
+  };
+  const double gain = value(led_->T_camera_lidar) - value(led_->T_tolerated);
+  const double most = options_.detector.max_evidence_per_evaluation;
+  const double ratio = std::clamp(gain / detector_.noise(), -most, most);
+  led_->evidence = std::max(0.0, led_->evidence + ratio);
+  led_->support += ratio;
 }
 
-/// The amount of a drift, from the pose that the dependence leads to. Before it has settled, the
-/// last move is part of the uncertainty.
+/// Adds the scene to those that are searched, and decides whether it is time for a search.
+void CalibrationMonitor::update_search(const Motion& motion) {
+  search_due_ = false;
+  if (!searching_) search_.add(image_.compared().fine, points_.compared(), motion);
+  const double evidence = detector_.evidence(detector_.strongest_axis());
+  if (!detector_.warmed_up() || std::max(evidence, led_evidence()) < kSearchEvidence) {
+    return led_.reset();
+  }
+  if (searching_ || detector_.evaluations_since_onset() < kEvaluationsPerSearch) return;
+  const bool stands = led_ && led_->support > 0;
+  const int needed = stands ? static_cast<int>(DriftSearch::kScenes) : kEvaluationsPerSearch;
+  search_due_ = !led_ || led_->evaluations >= needed;
+  if (!search_due_ || options_.background_search) return;
+  begin_search();
+  run_search();
+  finish_search();
+}
+
+void CalibrationMonitor::begin_search() {
+  search_due_ = false;
+  searching_ = true;
+  job_ = {.T_camera_lidar = T_camera_lidar_,
+          .scenes = static_cast<size_t>(detector_.evaluations_since_onset()),
+          .noise = detector_.noise()};
+  if (led_ && led_->support > 0) job_.known = led_->estimate.moved;
+}
+
+void CalibrationMonitor::run_search() {
+  job_.found = search_.find(job_.T_camera_lidar, job_.known, job_.scenes, job_.noise, camera_);
+}
+
+void CalibrationMonitor::finish_search() {
+  searching_ = false;
+  const double evidence = std::max(detector_.evidence(detector_.strongest_axis()), led_evidence());
+  if (job_.outdated || evidence < kSearchEvidence) return;
+  Led led{.estimate = job_.found};
+  if (led_ && job_.known) led.support = led_->support;
+  const Vector6& moved = led.estimate.moved;
+  double drifts = 0, tolerated = 0;
+  for (size_t k = 0; k < 6; ++k) {
+    const double size = std::abs(moved(static_cast<Eigen::Index>(k)));
+    drifts = std::max(drifts, size / options_.detector.drift_offset[k]);
+    tolerated = std::max(tolerated, size / options_.detector.tolerated_offset[k]);
+  }
+  led.matters = drifts >= 1;
+  led.T_camera_lidar = geometry::exp(moved) * T_camera_lidar_;
+  led.T_tolerated = geometry::exp(moved / std::max(tolerated, 1.0)) * T_camera_lidar_;
+  led.evidence = evidence;
+  led_ = led;
+}
+
+/// What the search says of the drift.
 void CalibrationMonitor::state_drift(DriftVerdict& verdict) const {
-  if (!led_ || verdict.axis == Axis::kTime) return;
-  if (!led_move_.isZero() && led_->T_camera_lidar.matrix() == T_camera_lidar_.matrix()) {
-    // Nothing has moved yet: the parabolas' offsets, which may be cut off at their steps.
+  if (!verdict.drifting() && led_evidence() < options_.detector.suspicion_threshold) return;
+  if (!led_) {
+    // The parabolas' offsets, which are cut off at their steps.
     for (int k = 0; k < 6; ++k) {
       verdict.sigma(k) = std::hypot(verdict.sigma(k), step_for(static_cast<Axis>(k)));
     }
     return;
   }
-  verdict.offset = geometry::log(T_camera_lidar_ * led_->T_camera_lidar.inverse());
-  verdict.at_least = led_far_;
-  double most = 0;  // drifts that are to be detected
+  const DriftEstimate& estimate = led_->estimate;
+  verdict.evidence = std::max(verdict.evidence, led_evidence());
+  verdict.drift = verdict.evidence >= verdict.threshold ? Drift::kConfirmed : Drift::kSuspected;
+  verdict.offset = -estimate.moved;
+  verdict.at_least = estimate.at_least;
+  verdict.delay = estimate.delay;
   for (int k = 0; k < 6; ++k) {
-    const auto axis = static_cast<Axis>(k);
-    const double sigma = led_->detector.sigma(axis);
-    verdict.offset(k) -= led_->detector.offset(axis);  // what is left where it has come to
-    // What the measure's own bias may be. One axis at a time, a part of a rotation is taken for the
-    // translation that looks alike, so that it counts as one sigma.
+    // What the measure's own bias may be.
     const double bias = options_.detector.tolerated_offset[static_cast<size_t>(k)];
-    verdict.sigma(k) =
-        std::hypot(std::isfinite(sigma) ? sigma : step_for(axis), bias, led_move_(k));
-    const double drift =
-        std::abs(verdict.offset(k)) / options_.detector.drift_offset[static_cast<size_t>(k)];
-    if (drift <= most || !led_move_.isZero()) continue;
-    most = drift;
-    verdict.axis = axis;
+    verdict.sigma(k) = std::hypot(std::sqrt(estimate.covariance(k, k)), bias);
+    // No following scene has agreed yet.
+    if (!(led_->support > 0)) verdict.sigma(k) = std::hypot(verdict.sigma(k), verdict.offset(k));
   }
+  verdict.axis = estimate.likeliest();
+  const double most = estimate.gain[static_cast<size_t>(verdict.axis)];
+  double second = -1e9;
+  for (size_t k = 0; k < kSingleAxes; ++k) {
+    const auto axis = static_cast<Axis>(k);
+    if (axis == verdict.axis || estimate.gain[k] <= second) continue;
+    second = estimate.gain[k];
+    verdict.runner_up = axis;
+  }
+  verdict.runner_up_evidence = std::max(0.0, verdict.evidence - (most - second));
 }
 
 /// Evaluates the selected returns.
@@ -220,7 +263,8 @@ void CalibrationMonitor::evaluate_calibrations(const CameraFrame& grey, const Sw
   report.evaluated = true;
   detector_.add(around.axes);
   ambiguity_.add(motion);
-  follow_drift(around, motion);
+  compare_led();
+  update_search(motion);
   if (alternative_) {
     const Surroundings other = evaluate(alternative_->T_camera_lidar, motion);
     report.gain = around.centre - other.centre;

@@ -6,6 +6,7 @@
 #include "fusion/monitoring/camera_check.hpp"
 #include "fusion/monitoring/delay_ambiguity.hpp"
 #include "fusion/monitoring/drift_detector.hpp"
+#include "fusion/monitoring/drift_search.hpp"
 #include "fusion/monitoring/monitor_dependence.hpp"
 #include "fusion/monitoring/scene_store.hpp"
 
@@ -29,8 +30,10 @@ struct MonitorOptions {
   double min_peak = 4e-3;  ///< nats; minimum difference between the largest and the smallest value
   MonitorDependence::Weights weights;  ///< of its parts
   DriftDetectorOptions detector;       ///< of the evidence
-  CameraCheckOptions camera_check;     ///< of faults
-  SceneStoreOptions scene_store;       ///< of scenes that are kept
+  /// The caller runs the searches of drifts (`search_due`); false: they are part of `process`.
+  bool background_search = false;
+  CameraCheckOptions camera_check;  ///< of faults
+  SceneStoreOptions scene_store;    ///< of scenes that are kept
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;
@@ -61,8 +64,10 @@ struct MonitorReport {
 /// camera (the motion meanwhile), and rotations and delay with a wider step. `DriftDetector`
 /// accumulates the parabolas through these values.
 ///
-/// While a drift is suspected, a second pose follows the dependence in steps of every width until
-/// nothing leads it on: its distance from the calibration is the amount of the drift.
+/// As soon as something speaks against the calibration, `DriftSearch` finds the pose that the last
+/// scenes lead to: the amount of the drift. Following scenes compare it with the calibration. The
+/// pose was chosen before them, so that the product of their likelihood ratios remains a test of
+/// the calibration, whatever the pose (Wald's plug-in ratio).
 class CalibrationMonitor {
  public:
   /// `options.invalid()` and `camera.invalid()` must be empty.
@@ -71,6 +76,14 @@ class CalibrationMonitor {
 
   /// Processes an image (kGrey8) and the returns of its sweep as of its exposure.
   MonitorReport process(const CameraFrame& grey, const SweepView& sweep, const Motion& motion);
+
+  /// True if a search of the drift is to be begun, and none runs.
+  bool search_due() const { return search_due_; }
+  /// Begins a search; `run_search` does it, on any thread and beside `process`; `finish_search`
+  /// takes its result into use.
+  void begin_search();
+  void run_search();
+  void finish_search();
 
   /// Sets a new calibration and restarts the evidence.
   void set_calibration(const Eigen::Isometry3d& T_camera_lidar);
@@ -105,7 +118,19 @@ class CalibrationMonitor {
     double spread = 0;  // nats, the largest difference along an axis
   };
   Surroundings evaluate(const Eigen::Isometry3d& T_camera_lidar, const Motion& motion);
-  void follow_drift(const Surroundings& around, const Motion& motion);
+  /// A pose that a search has found, and the evidence of the scenes after it.
+  struct Led {
+    DriftEstimate estimate;
+    Eigen::Isometry3d T_camera_lidar;
+    Eigen::Isometry3d T_tolerated;  // on the way there, where the calibration would still hold
+    bool matters = false;           // it lies as far away as a drift that is to be detected
+    double evidence = 0;            // nats, against the calibration
+    double support = 0;             // nats, of the scenes after the first search
+    int evaluations = 0;            // since the search
+  };
+  double led_evidence() const { return led_ && led_->matters ? led_->evidence : 0; }
+  void compare_led();
+  void update_search(const Motion& motion);
   void state_drift(DriftVerdict& verdict) const;
   void evaluate_calibrations(const CameraFrame& grey, const SweepView& sweep, const Motion& motion,
                              MonitorReport& report);
@@ -118,15 +143,24 @@ class CalibrationMonitor {
   int step_;
   Eigen::Isometry3d T_camera_lidar_;
   std::optional<Monitored> alternative_;
-  std::optional<Monitored> led_;  // where the dependence leads to, while a drift is suspected
-  geometry::Vector6 led_move_ =
-      geometry::Vector6::Zero();  // its last move; zero: nothing leads it on
-  bool led_far_ = false;          // that was the farthest step
+  std::optional<Led> led_;
   features::RingDirections rings_;
   MonitorImage image_;
   MonitorPoints points_;
   MonitorDependence dependence_;
   DriftDetector detector_;
+  /// A search of the drift, and its result.
+  struct SearchJob {
+    Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();
+    std::optional<geometry::Vector6> known;
+    size_t scenes = 0;
+    double noise = 1;
+    DriftEstimate found;
+    bool outdated = false;  // the calibration has changed meanwhile
+  };
+  DriftSearch search_;  // while a search runs, its thread's
+  SearchJob job_;
+  bool searching_ = false, search_due_ = false;
   DelayAmbiguity ambiguity_;
   CameraCheck camera_check_;
   SceneStore scene_store_;

@@ -30,7 +30,8 @@ const char* ProfileSampler::prepare(const CameraFrame& grey, const SweepView& sw
 
 DependenceProfile ProfileSampler::sample(const Eigen::Isometry3d& T_camera_lidar) {
   DependenceProfile profile;
-  const double middle = dependence_.evaluate(T_camera_lidar, image_, points_, camera_);
+  const double middle =
+      dependence_.evaluate(T_camera_lidar, image_.compared().fine, points_.compared(), camera_);
   for (size_t axis = 0; axis < DependenceProfile::kAxes; ++axis) {
     const double half_width = axis < 3 ? options_.rotation : options_.translation;
     for (size_t k = 0; k < DependenceProfile::kSamples; ++k) {
@@ -41,7 +42,8 @@ DependenceProfile ProfileSampler::sample(const Eigen::Isometry3d& T_camera_lidar
       const geometry::Vector6 moved = half_width * DependenceProfile::part_of(k) *
                                       geometry::Vector6::Unit(static_cast<Eigen::Index>(axis));
       profile.nats[axis][k] =
-          dependence_.evaluate(geometry::exp(moved) * T_camera_lidar, image_, points_, camera_);
+          dependence_.evaluate(geometry::exp(moved) * T_camera_lidar, image_.compared().fine,
+                               points_.compared(), camera_);
     }
   }
   return profile;

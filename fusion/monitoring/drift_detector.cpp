@@ -97,6 +97,7 @@ void DriftDetector::add(const AxisEvaluation& evaluation) {
       run.evidence += std::clamp(ratio, -options_.max_evidence_per_evaluation,
                                  options_.max_evidence_per_evaluation);
       run.mean.add(evaluation.slope[k], w);
+      ++run.evaluations;
       if (run.evidence <= 0) run = {};
     };
     step(state.positive, 1);
@@ -126,6 +127,18 @@ Axis DriftDetector::strongest_axis() const {
     if (evidence(static_cast<Axis>(k)) > evidence(best)) best = static_cast<Axis>(k);
   }
   return best;
+}
+
+int DriftDetector::evaluations_since_onset() const {
+  const AxisState& state = axes_[static_cast<size_t>(strongest_axis())];
+  return state.positive.evidence > state.negative.evidence ? state.positive.evaluations
+                                                           : state.negative.evaluations;
+}
+
+double DriftDetector::noise() const {
+  double sum = 0;
+  for (size_t k = 0; k < 6; ++k) sum += noise_variance(axes_[k]);
+  return sum / 6 / kEvaluationWeight;
 }
 
 Axis DriftDetector::strongest_variant(Axis axis) const {

@@ -91,6 +91,14 @@ class DriftDetector {
   }
   int evaluations() const { return evaluations_; }
 
+  /// Number of evaluations since the evidence along the strongest axis began: presumably since the
+  /// calibration changed.
+  int evaluations_since_onset() const;
+  /// Nats by which a difference of dependence, summed over evaluations, is divided to be a
+  /// log-likelihood ratio: the mean κ of the pose's axes.
+  double noise() const;
+  double confirmation_threshold() const { return confirmation_threshold_; }
+
   /// Returns what the evaluations say: all of a verdict but the fault of the camera, and whether a
   /// delay can be separated.
   DriftVerdict verdict() const;
@@ -110,6 +118,7 @@ class DriftDetector {
   /// Evidence for an offset of one sign, and the mean offset since it began.
   struct Cusum {
     double evidence = 0;
+    int evaluations = 0;
     Mean mean;
   };
   /// State of one axis.

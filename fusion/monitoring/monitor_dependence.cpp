@@ -7,7 +7,7 @@
 namespace infuse::monitoring {
 namespace {
 
-constexpr int kBins = MonitorPoints::kBins;
+constexpr int kBins = ComparedReturns::kBins;
 
 using Histogram = std::array<float, static_cast<size_t>(kBins) * kBins>;
 
@@ -57,38 +57,46 @@ MutualInformation mutual_information(const Histogram& table) {
 }  // namespace
 
 double MonitorDependence::evaluate(const Eigen::Isometry3d& T_camera_lidar,
-                                   const MonitorImage& image, const MonitorPoints& points,
-                                   const geometry::CameraModel& camera, bool coarse) {
-  const features::Plane& grey_plane = coarse ? image.coarse_grey() : image.fine_grey();
-  const features::Plane& edge_plane = coarse ? image.coarse_edge() : image.fine_edge();
-  if (grey_plane.width < 2 || grey_plane.height < 2) return 0;
-  for (auto* scratch : {&u_, &v_, &depth_}) scratch->resize(points.size());
-  geometry::project_points(camera, T_camera_lidar, points.points(), {u_, v_, depth_});
-  const auto width = static_cast<size_t>(grey_plane.width);
-  const auto right = static_cast<float>(grey_plane.width - 1) - 1e-3F;
-  const auto bottom = static_cast<float>(grey_plane.height - 1) - 1e-3F;
-  const float thin = 1.0F / static_cast<float>(grey_plane.step);
-  const float scale = thin / static_cast<float>(image.step());
+                                   const ComparedPlanes& planes, const ComparedReturns& returns,
+                                   const geometry::CameraModel& camera, Outside outside) {
+  const features::Plane& grey = planes.grey;
+  if (grey.width < 2 || grey.height < 2) return 0;
+  for (auto* scratch : {&u_, &v_, &depth_}) scratch->resize(returns.size());
+  geometry::project_points(camera, T_camera_lidar, returns.points(), {u_, v_, depth_});
+  const auto width = static_cast<size_t>(grey.width);
+  const auto right = static_cast<float>(grey.width - 1) - 1e-3F;
+  const auto bottom = static_cast<float>(grey.height - 1) - 1e-3F;
+  const float thin = 1.0F / static_cast<float>(grey.step);
+  const float scale = thin / static_cast<float>(planes.step);
   // A mean belongs to the middle of its pixels, a thinned sample to where it is.
   const float shift = 0.5F * scale - 0.5F * thin;
   Histogram reflectivity{}, edge{};
-  for (size_t i = 0; i < points.size(); ++i) {
+  size_t beside = 0, edges_beside = 0;  // returns that say nothing
+  for (size_t i = 0; i < returns.size(); ++i) {
     if (!(u_[i] == u_[i])) continue;
-    const float u = std::clamp(u_[i] * scale + shift, 0.0F, right);
-    const float v = std::clamp(v_[i] * scale + shift, 0.0F, bottom);
+    const float inner_u = u_[i] * scale + shift, inner_v = v_[i] * scale + shift;
+    const float u = std::clamp(inner_u, 0.0F, right);
+    const float v = std::clamp(inner_v, 0.0F, bottom);
+    const bool has_edge = returns.edge_bin[i] != ComparedReturns::kNotCompared;
+    if (outside == Outside::kNothing && (u != inner_u || v != inner_v)) {
+      ++beside;
+      edges_beside += has_edge ? 1 : 0;
+      continue;
+    }
     const auto column = static_cast<size_t>(u);
     const auto row = static_cast<size_t>(v);
     const float a = u - static_cast<float>(column);
     const float b = v - static_cast<float>(row);
     const size_t at = row * width + column;
-    add_sample(reflectivity, points.reflectivity_bin()[i],
-               look_up(grey_plane.values, width, at, a, b));
-    if (points.edge_bin()[i] == MonitorPoints::kNotCompared) continue;
-    add_sample(edge, points.edge_bin()[i], look_up(edge_plane.values, width, at, a, b));
+    add_sample(reflectivity, returns.reflectivity_bin[i], look_up(grey.values, width, at, a, b));
+    if (!has_edge) continue;
+    add_sample(edge, returns.edge_bin[i], look_up(planes.edge.values, width, at, a, b));
   }
   const MutualInformation of_reflectivity = mutual_information(reflectivity);
   const MutualInformation of_edges = mutual_information(edge);
-  const double all = weights_.reflectivity > 0 ? of_reflectivity.weight : of_edges.weight;
+  const double all = weights_.reflectivity > 0
+                         ? of_reflectivity.weight + static_cast<double>(beside)
+                         : of_edges.weight + static_cast<double>(edges_beside);
   if (!(all > 0)) return 0;
   return (weights_.reflectivity * of_reflectivity.weight * of_reflectivity.nats +
           weights_.edges * of_edges.weight * of_edges.nats) /

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cstdint>
 #include <vector>
 
 #include "fusion/monitoring/monitor_view.hpp"
@@ -23,12 +24,15 @@ class MonitorDependence {
 
   explicit MonitorDependence(const Weights& weights) : weights_(weights) {}
 
-  /// Evaluates a pose near the one with which the points were selected. A point that leaves the
-  /// image keeps the border's value, so that the measure cannot rise as points vanish.
-  /// `coarse`: with the blurred image.
-  double evaluate(const Eigen::Isometry3d& T_camera_lidar, const MonitorImage& image,
-                  const MonitorPoints& points, const geometry::CameraModel& camera,
-                  bool coarse = false);
+  /// What returns outside the image count for: near the pose of their selection they keep the
+  /// border's value, so that the measure changes smoothly; farther away, where many leave, they say
+  /// nothing: many returns that share the border's few values seem to depend on it.
+  enum class Outside : uint8_t { kBorder, kNothing };
+
+  /// Evaluates a pose: nats over all returns, those outside included.
+  double evaluate(const Eigen::Isometry3d& T_camera_lidar, const ComparedPlanes& planes,
+                  const ComparedReturns& returns, const geometry::CameraModel& camera,
+                  Outside outside = Outside::kBorder);
 
  private:
   Weights weights_;

@@ -16,19 +16,25 @@ constexpr int kCoarseStep = 4;  // samples; not more than the blur allows
 
 }  // namespace
 
+void PlaneBlur::compute(const ComparedPlanes& planes, double sigma, int step, ComparedPlanes& out) {
+  out.step = planes.step;
+  blur_.compute(planes.grey, sigma, step, out.grey);
+  features::equalize_by_level(out.grey.values, 1);
+  blur_.compute(planes.edge, sigma, step, out.edge);
+  features::equalize_by_level(out.edge.values, 1);
+}
+
 void MonitorImage::build(const CameraFrame& grey, int step, const features::RingDirections& rings) {
-  step_ = std::max(1, step);
-  features::reduce_by_means(grey, step_, reduced_);
+  ComparedPlanes& fine = compared_.fine;
+  fine.step = std::max(1, step);
+  features::reduce_by_means(grey, fine.step, reduced_);
   ring_edge_.compute(reduced_, rings, raw_);
   features::equalize_by_level(raw_.values, 256);
-  blur_.compute(raw_, kBlurSigma, 1, edge_);
+  blur_.compute(raw_, kBlurSigma, 1, fine.edge);
   local_contrast_.compute(reduced_, kContrastWidth, kNoiseSigma, raw_);
   features::equalize_by_level(raw_.values, 1);
-  blur_.compute(raw_, kBlurSigma, 1, grey_);
-  blur_.compute(grey_, kCoarseBlur, kCoarseStep, coarse_grey_);
-  features::equalize_by_level(coarse_grey_.values, 1);
-  blur_.compute(edge_, kCoarseBlur, kCoarseStep, coarse_edge_);
-  features::equalize_by_level(coarse_edge_.values, 1);
+  blur_.compute(raw_, kBlurSigma, 1, fine.grey);
+  plane_blur_.compute(fine, kCoarseBlur, kCoarseStep, compared_.coarse);
 }
 
 }  // namespace infuse::monitoring

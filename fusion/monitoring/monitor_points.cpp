@@ -14,6 +14,19 @@ constexpr float kBorderShare = 0.1F;  // of the image's size
 
 }  // namespace
 
+void ComparedReturns::thin(const ComparedReturns& others, size_t count) {
+  count = std::min(count, others.size());
+  const auto pick = [&](const auto& from, auto& to) {
+    to.resize(count);
+    for (size_t k = 0; k < count; ++k) to[k] = from[k * others.size() / count];
+  };
+  pick(others.x, x);
+  pick(others.y, y);
+  pick(others.z, z);
+  pick(others.reflectivity_bin, reflectivity_bin);
+  pick(others.edge_bin, edge_bin);
+}
+
 void MonitorPoints::find_visible(const SweepView& sweep, const geometry::CameraModel& camera,
                                  const Eigen::Isometry3d& T_camera_lidar) {
   for (auto* scratch : {&u_, &v_, &all_depth_}) scratch->resize(sweep.size());
@@ -45,6 +58,7 @@ void MonitorPoints::find_visible(const SweepView& sweep, const geometry::CameraM
 /// Sorts the selected returns' values of a feature into bins of equal filling; equal values share
 /// one.
 void MonitorPoints::sort_into_bins(std::span<const float> feature, std::vector<uint8_t>& bins) {
+  constexpr int kBins = ComparedReturns::kBins;
   const size_t count = size();
   values_.resize(count);
   bins.resize(count);
@@ -56,7 +70,7 @@ void MonitorPoints::sort_into_bins(std::span<const float> feature, std::vector<u
   features::equalize_by_level(values_, max_value);
   for (size_t k = 0; k < count; ++k) {
     bins[k] = std::isnan(values_[k])
-                  ? kNotCompared
+                  ? ComparedReturns::kNotCompared
                   : static_cast<uint8_t>(std::min(kBins - 1, static_cast<int>(values_[k] * kBins)));
   }
 }
@@ -67,16 +81,18 @@ void MonitorPoints::select(const SweepView& sweep, const geometry::CameraModel& 
   reflectivity_ = relative_reflectivity_.compute(sweep.ring, sweep.range, sweep.reflectivity);
   find_visible(sweep, camera, T_camera_lidar);
   const size_t count = std::min(visible_.size(), max_points);
-  for (auto* quantity : {&x_, &y_, &z_, &depth_}) quantity->resize(count);
+  for (auto* quantity : {&compared_.x, &compared_.y, &compared_.z, &depth_}) {
+    quantity->resize(count);
+  }
   for (size_t k = 0; k < count; ++k) {
     const uint32_t i = visible_[k * visible_.size() / count];
-    x_[k] = sweep.points.x[i];
-    y_[k] = sweep.points.y[i];
-    z_[k] = sweep.points.z[i];
+    compared_.x[k] = sweep.points.x[i];
+    compared_.y[k] = sweep.points.y[i];
+    compared_.z[k] = sweep.points.z[i];
     depth_[k] = all_depth_[i];
   }
-  sort_into_bins(reflectivity_, reflectivity_bin_);
-  sort_into_bins(discontinuity_, edge_bin_);
+  sort_into_bins(reflectivity_, compared_.reflectivity_bin);
+  sort_into_bins(discontinuity_, compared_.edge_bin);
 }
 
 }  // namespace infuse::monitoring

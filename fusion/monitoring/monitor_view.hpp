@@ -19,33 +19,61 @@ namespace infuse::monitoring {
 using features::make_sweep_view;
 using features::SweepView;
 
-/// Image reduced to what the monitor compares: two planes of ranks 0 … 1, some hundred samples
-/// wide, blurred a little. Allocates nothing after its first image of a size.
+/// Planes of ranks 0 … 1 that are compared.
+struct ComparedPlanes {
+  int step = 1;          ///< pixels a sample of the reduced image that the planes were made of
+  features::Plane grey;  ///< rank relative to the surroundings (`features::LocalContrast`)
+  features::Plane edge;  ///< rank of the edge strength along the rings (`features::RingEdge`)
+};
+
+/// What is compared of an image.
+struct ComparedImage {
+  ComparedPlanes fine;    ///< some hundred samples wide, blurred a little
+  ComparedPlanes coarse;  ///< blurred by `kCoarseBlur` samples and thinned: for far steps
+};
+
+/// What is compared of a sweep: returns with the bins of their features.
+struct ComparedReturns {
+  static constexpr int kBins = 16;
+  static constexpr uint8_t kNotCompared = 255;  ///< edge bin of a return without an edge near it
+
+  std::vector<float> x, y, z;  ///< m, in the lidar's frame
+  std::vector<uint8_t> reflectivity_bin, edge_bin;
+
+  size_t size() const { return x.size(); }
+  geometry::PointsView points() const { return {x, y, z}; }
+  /// Becomes at most `count` of others' returns, evenly. Allocates nothing once it has held as
+  /// many.
+  void thin(const ComparedReturns& others, size_t count);
+};
+
+/// Blurs planes by `sigma` samples, thins them to every `step`th and ranks them again.
+class PlaneBlur {
+ public:
+  void compute(const ComparedPlanes& planes, double sigma, int step, ComparedPlanes& out);
+
+ private:
+  features::Blur blur_;
+};
+
+/// Reduces images to what is compared. Allocates nothing after its first image of a size.
 class MonitorImage {
  public:
   /// Reduces a kGrey8 frame by means of `step` × `step` pixels. `rings`: the lidar's rings in
   /// images reduced so.
   void build(const CameraFrame& grey, int step, const features::RingDirections& rings);
 
-  int width() const { return grey_.width; }
-  int height() const { return grey_.height; }
-  int step() const { return step_; }
-  /// The same planes, blurred by `kCoarseBlur` samples and thinned: for steps beyond the peak.
-  const features::Plane& coarse_grey() const { return coarse_grey_; }
-  const features::Plane& coarse_edge() const { return coarse_edge_; }
-  const features::Plane& fine_grey() const { return grey_; }
-  const features::Plane& fine_edge() const { return edge_; }
-  /// Rank of grey relative to its surroundings (`features::LocalContrast`), rows from the top.
-  const std::vector<float>& grey() const { return grey_.values; }
-  /// Rank of the edge strength along the lidar's rings (`features::RingEdge`).
-  const std::vector<float>& edge() const { return edge_.values; }
+  int width() const { return compared_.fine.grey.width; }
+  int height() const { return compared_.fine.grey.height; }
+  const ComparedImage& compared() const { return compared_; }
 
  private:
-  int step_ = 1;
-  features::Plane reduced_, raw_, grey_, edge_, coarse_grey_, coarse_edge_;
+  ComparedImage compared_;
+  features::Plane reduced_, raw_;
   features::RingEdge ring_edge_;
   features::LocalContrast local_contrast_;
   features::Blur blur_;
+  PlaneBlur plane_blur_;
 };
 
 /// Returns that are compared with the image: in view, not hidden, thinned. Allocates nothing after
@@ -53,18 +81,14 @@ class MonitorImage {
 class MonitorPoints {
  public:
   /// Selects at most `max_points` returns that `camera` sees under `T_camera_lidar`, evenly. Lidar
-  /// features are sorted into `kBins` bins of equal filling.
+  /// features are sorted into bins of equal filling.
   void select(const SweepView& sweep, const geometry::CameraModel& camera,
               const Eigen::Isometry3d& T_camera_lidar, size_t max_points);
 
-  static constexpr int kBins = 16;
-  static constexpr uint8_t kNotCompared = 255;  ///< edge bin of a return without an edge near it
-  size_t size() const { return x_.size(); }
-  geometry::PointsView points() const { return {x_, y_, z_}; }
+  size_t size() const { return compared_.size(); }
+  const ComparedReturns& compared() const { return compared_; }
   /// m along the optical axis under the pose of the selection.
   const std::vector<float>& depth() const { return depth_; }
-  const std::vector<uint8_t>& reflectivity_bin() const { return reflectivity_bin_; }
-  const std::vector<uint8_t>& edge_bin() const { return edge_bin_; }
   /// Indices in the sweep of the returns in the image or up to a tenth of its size outside, hidden
   /// or not: those that another calibration might bring into view.
   const std::vector<uint32_t>& near_image() const { return near_image_; }
@@ -78,8 +102,8 @@ class MonitorPoints {
                     const Eigen::Isometry3d& T_camera_lidar);
   void sort_into_bins(std::span<const float> feature, std::vector<uint8_t>& bins);
 
-  std::vector<float> x_, y_, z_, depth_;
-  std::vector<uint8_t> reflectivity_bin_, edge_bin_;
+  ComparedReturns compared_;
+  std::vector<float> depth_;
   std::vector<uint32_t> visible_, near_image_;
   features::Discontinuity discontinuities_;
   features::RelativeReflectivity relative_reflectivity_;

@@ -260,6 +260,73 @@ void slow_drift(benchmark::State& state) {
   state.counters["confirmed_worst_deg"] = std::min(confirmed, 9.0);
 }
 
+/// Knocks about or along every axis in every condition, `size` in degrees or cm, in both
+/// directions: time to suspicion and confirmation, and how many are named with their axis and have
+/// an amount within three stated standard deviations.
+void knocks(benchmark::State& state, const std::vector<int>& axes, double size) {
+  std::vector<double> suspected, confirmed;
+  double named = 0, covered = 0;
+  for (auto _ : state) {
+    for (size_t k = 0; k < kScenarios.size() * axes.size() * 2; ++k) {
+      const Drive& drive = load_drive(kScenarios[k % kScenarios.size()]);
+      const int axis = axes[k / kScenarios.size() / 2];
+      const double sign = k / kScenarios.size() % 2 == 0 ? 1 : -1;
+      const double amount = sign * size * (axis < 3 ? kDegree : 0.01);
+      const Fault fault{amount * Vector6::Unit(axis), 30 + 7 * k % 60};
+      const KnockResult found = run_knock(drive, fault);
+      const auto& verdict = found.verdict;
+      suspected.push_back(found.suspected);
+      confirmed.push_back(found.confirmed);
+      const bool right = verdict.axis == static_cast<monitoring::Axis>(axis);
+      const bool inside = std::abs(verdict.offset(axis) - amount) <= 3 * verdict.sigma(axis);
+      named += right ? 1 : 0;
+      covered += inside ? 1 : 0;
+      if (right && inside && found.confirmed < kNotDetected) continue;
+      std::fprintf(stderr,
+                   "%s, pair %zu, axis %d by %+.1f: suspected %.1f s, confirmed %.1f s: %s\n",
+                   kScenarios[k % kScenarios.size()].c_str(), fault.first_pair, axis, sign * size,
+                   found.suspected, found.confirmed, describe_drift(verdict).c_str());
+    }
+    state.SetIterationTime(std::min(quantile(confirmed, 0.5), 600.0));
+  }
+  const auto all = static_cast<double>(confirmed.size());
+  state.counters["suspected_median_s"] = std::min(quantile(suspected, 0.5), 600.0);
+  state.counters["suspected_p95_s"] = std::min(quantile(suspected, 0.95), 600.0);
+  state.counters["confirmed_p95_s"] = std::min(quantile(confirmed, 0.95), 600.0);
+  state.counters["named_percent"] = 100 * named / all;
+  state.counters["covered_percent"] = 100 * covered / all;
+  state.SetLabel("to confirmation, median");
+}
+
+/// Stamps that become late or early by `delay` s: how often they are suspected, and how often named
+/// as late stamps or as the axis that this motion cannot tell from them.
+void late_stamps(benchmark::State& state, double delay) {
+  double suspected = 0, confirmed = 0, named = 0, all = 0;
+  for (auto _ : state) {
+    for (size_t k = 0; k < 4 * kScenarios.size(); ++k) {
+      const Fault fault{Vector6::Zero(), 30 + 7 * k % 60};
+      const double late = k / kScenarios.size() % 2 == 0 ? delay : -delay;
+      const KnockResult found =
+          run_knock(load_drive(kScenarios[k % kScenarios.size()]), fault, late);
+      const auto& verdict = found.verdict;
+      const bool seen = found.suspected < kNotDetected;
+      const bool right =
+          verdict.axis == monitoring::Axis::kTime || verdict.delay_ambiguous_axis == verdict.axis;
+      ++all;
+      suspected += seen ? 1 : 0;
+      confirmed += found.confirmed < kNotDetected ? 1 : 0;
+      named += seen && right ? 1 : 0;
+      std::fprintf(stderr, "%+.0f ms: suspected %.1f s, confirmed %.1f s: %s\n", 1e3 * late,
+                   found.suspected, found.confirmed, describe_drift(verdict).c_str());
+    }
+    state.SetIterationTime(1);
+  }
+  state.counters["faults"] = all;
+  state.counters["suspected"] = suspected;
+  state.counters["confirmed"] = confirmed;
+  state.counters["named"] = named;
+}
+
 /// Complete loop (`run_recovery`) over the large drives, by seeds: rotation and translation error
 /// of the calibration in use at the end, normalised squared error per degree of freedom.
 void recalibrate(benchmark::State& state, size_t faults) {
@@ -415,6 +482,21 @@ int register_benchmarks() {
         ->Iterations(1)
         ->Unit(benchmark::kSecond);
   };
+  for (const double degrees : {0.5, 1.0, 2.0, 3.0, 5.0}) {
+    char name[48];
+    std::snprintf(name, sizeof name, "online/knocks/%.1f_deg", degrees);
+    add(name, [=](benchmark::State& state) { knocks(state, {0, 1, 2}, degrees); });
+  }
+  for (const double ms : {20.0, 50.0, 100.0}) {
+    char name[48];
+    std::snprintf(name, sizeof name, "online/late_stamps/%.0f_ms", ms);
+    add(name, [=](benchmark::State& state) { late_stamps(state, 1e-3 * ms); });
+  }
+  for (const double cm : {10.0, 20.0}) {
+    char name[48];
+    std::snprintf(name, sizeof name, "online/knocks/%.0f_cm", cm);
+    add(name, [=](benchmark::State& state) { knocks(state, {3, 4, 5}, cm); });
+  }
   for (const auto& [suffix, method] : methods) {
     for (const FaultKind& kind : kinds) {
       // The grid of 728 poses is slow: use a quarter of the faults.

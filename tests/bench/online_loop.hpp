@@ -80,6 +80,41 @@ inline RecoveryResult run_recovery(const Drive& drive, const Fault& fault) {
   return out;
 }
 
+/// What a drift that begins at a pair looks like, 10 s after its confirmation or at the end.
+struct KnockResult {
+  double suspected = 1e9, confirmed = 1e9;  ///< s after it began
+  monitoring::DriftVerdict verdict;
+};
+
+/// Runs the monitor on a drive that knocks the rig, or whose stamps become late by `delay`, s.
+inline KnockResult run_knock(const Drive& drive, const Fault& fault, double delay = 0) {
+  constexpr double kReportedAfter = 10;  // s
+  KnockResult out;
+  monitoring::CalibrationMonitor monitor(drive.intrinsics, drive.T_camera_lidar, {});
+  const Stamp begin = drive.pairs[fault.first_pair].grey.stamp;
+  for (size_t i = 0; i < drive.pairs.size(); ++i) {
+    const ImageSweepPair& pair = drive.pairs[i];
+    if (i >= fault.first_pair) {
+      Vector6 twist;
+      twist << pair.angular_rate, pair.velocity;
+      // A late camera sees the world from where it was: returns are farther on than they should.
+      monitor.inject_miscalibration(geometry::exp(-delay * twist) *
+                                    geometry::exp(fault.perturbation) * drive.T_camera_lidar);
+    }
+    const auto report = monitor.process(pair.grey, monitoring::make_sweep_view(pair.sweep),
+                                        {pair.angular_rate, pair.velocity});
+    if (i < fault.first_pair) continue;
+    const double after = to_seconds(pair.grey.stamp - begin);
+    out.verdict = report.verdict;
+    if (report.verdict.drifting()) out.suspected = std::min(out.suspected, after);
+    if (report.verdict.drift == monitoring::Drift::kConfirmed) {
+      out.confirmed = std::min(out.confirmed, after);
+    }
+    if (after >= out.confirmed + kReportedAfter) break;
+  }
+  return out;
+}
+
 /// Accumulated degrees of a slow drift about one axis when it was suspected and when it was
 /// confirmed; 1e9 if never.
 struct DriftAngles {

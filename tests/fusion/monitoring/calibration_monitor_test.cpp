@@ -97,6 +97,40 @@ TEST(CalibrationMonitor, TheAmountOfALargeDriftIsAnEstimate) {
   }
 }
 
+TEST(CalibrationMonitor, TheCallerMayRunTheSearch) {
+  MonitorOptions in_background;
+  in_background.background_search = true;
+  CalibrationMonitor alone(small_camera(), turned(3, 1), {});
+  CalibrationMonitor monitor(small_camera(), turned(3, 1), in_background);
+  Driver first, second;
+  int searches = 0;
+  for (int k = 0; k < 22; ++k) {
+    const DriftVerdict expected = first.drive(alone).verdict;
+    EXPECT_EQ(second.drive(monitor).verdict.evidence, expected.evidence) << k;
+    if (!monitor.search_due()) continue;
+    ++searches;
+    monitor.begin_search();
+    monitor.run_search();
+    monitor.finish_search();
+  }
+  EXPECT_GE(searches, 1);
+  EXPECT_EQ(second.drive(monitor).verdict.offset, first.drive(alone).verdict.offset);
+}
+
+TEST(CalibrationMonitor, ASearchUnderAnOlderCalibrationIsDropped) {
+  MonitorOptions options;
+  options.background_search = true;
+  CalibrationMonitor monitor(small_camera(), turned(3, 1), options);
+  Driver driver;
+  for (int k = 0; k < 60 && !monitor.search_due(); ++k) driver.drive(monitor);
+  ASSERT_TRUE(monitor.search_due());
+  monitor.begin_search();
+  monitor.run_search();
+  monitor.set_calibration(true_T_camera_lidar());
+  monitor.finish_search();
+  EXPECT_FALSE(driver.drive(monitor).verdict.drifting());
+}
+
 TEST(CalibrationMonitor, ANewCalibrationResetsTheEvidence) {
   CalibrationMonitor monitor(small_camera(), turned(1, 1), {});
   Driver driver;

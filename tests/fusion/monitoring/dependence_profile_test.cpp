@@ -53,7 +53,9 @@ TEST(DependenceProfile, HoldsTheDependenceAtEachPose) {
       const double half_width = axis < 3 ? 0.026 : 0.25;
       const double distance = half_width * (static_cast<double>(k) - 12) / 12;
       EXPECT_NEAR(profile.nats[axis][k],
-                  dependence.evaluate(moved(around, axis, distance), image, points, camera), 1e-5)
+                  dependence.evaluate(moved(around, axis, distance), image.compared().fine,
+                                      points.compared(), camera),
+                  1e-5)
           << axis << ' ' << k;
     }
   }
