@@ -15,9 +15,9 @@ namespace {
 using geometry::Matrix6;
 using geometry::Vector6;
 
-constexpr size_t kReturns = 2000;  // of a scene
+constexpr size_t kReturns = 2000;  // of a scene; bounds the work
 constexpr double kBlur = 3;        // samples, of the blurred image: 0.6° of 300 samples
-constexpr int kThin = 2;           // samples
+constexpr int kThin = 2;           // samples; bounds the work
 // A blurred peak is as wide as two steps of the screen. About the optical axis, returns move half
 // as much as at the image's border.
 constexpr double kScreenStep = 1 * kDegree;
@@ -28,7 +28,7 @@ constexpr double kRotationSigma = 3 * kDegree;  // standard deviation of a knock
 constexpr double kTranslationSigma = 0.1;       // m, and along it
 constexpr double kStep = 6e-3;                  // rad, of the curvature: half a peak's width
 constexpr double kTranslationStep = 0.04;       // m
-constexpr double kLeastEigenvalue = 0.02;       // of a correlation: 7 times its axes' deviation
+constexpr double kMinEigenvalue = 0.02;         // of a correlation: 7 times its axes' deviation
 constexpr std::array<double, 6> kDelays = {0.02, 0.04, 0.06, 0.1, 0.15, 0.2};  // s
 
 Vector6 unit(int axis) { return Vector6::Unit(axis); }
@@ -203,7 +203,7 @@ DriftSearch::Parabola DriftSearch::parabola_at(const Vector6& moved) {
   // Differences of noisy values need not be those of a maximum.
   const Eigen::SelfAdjointEigenSolver<Matrix6> axes(correlation);
   const Matrix6 definite = axes.eigenvectors() *
-                           axes.eigenvalues().cwiseMax(kLeastEigenvalue).asDiagonal() *
+                           axes.eigenvalues().cwiseMax(kMinEigenvalue).asDiagonal() *
                            axes.eigenvectors().transpose();
   return {scale.cwiseInverse().asDiagonal() * definite * scale.cwiseInverse().asDiagonal(), slope};
 }
@@ -211,7 +211,7 @@ DriftSearch::Parabola DriftSearch::parabola_at(const Vector6& moved) {
 /// A rotation and the displacement that looks alike form a ridge, along which steps of one axis get
 /// nowhere. Moves by Newton steps while that is better, and returns the information there.
 Matrix6 DriftSearch::climb_ridge(Candidate& best) {
-  constexpr int kMaxMoves = 3;
+  constexpr int kMaxMoves = 3;     // bounds the work
   constexpr double kMaxSteps = 3;  // of the parabola's
   Vector6 steps;
   steps << Eigen::Vector3d::Constant(kStep), Eigen::Vector3d::Constant(kTranslationStep);

@@ -13,7 +13,7 @@
 namespace infuse::monitoring {
 
 /// What explains a drift by itself: a displacement along one axis of a pose, or late stamps.
-inline constexpr size_t kSingleAxes = 7;  ///< the first of `Axis`
+inline constexpr size_t kSingleAxes = 7;  ///< six degrees of freedom, and the time of the image
 
 /// Where the dependence of some scenes leads to.
 struct DriftEstimate {
@@ -45,7 +45,7 @@ class DriftSearch {
                      const std::optional<geometry::Vector6>& known, size_t scenes, double noise,
                      const geometry::CameraModel& camera);
 
-  static constexpr size_t kScenes = 8;
+  static constexpr size_t kScenes = 8;  ///< bounds memory and work
 
  private:
   struct Scene {
@@ -85,7 +85,7 @@ class DriftSearch {
   const geometry::CameraModel* camera_ = nullptr;
   size_t count_ = 0;
   double noise_ = 1;
-  static constexpr size_t kCandidates = 5;
+  static constexpr size_t kCandidates = 5;  ///< bounds the work
   std::array<Candidate, kCandidates> candidates_;
   size_t candidate_count_ = 0;
 };
