@@ -79,10 +79,11 @@ class CalibrationMonitor {
 
   /// True if a search of the drift is to be begun, and none runs.
   bool search_due() const { return search_due_; }
-  /// Begins a search; `run_search` does it, on any thread and beside `process`; `finish_search`
-  /// takes its result into use.
+  /// Begins a search: keeps what it compares.
   void begin_search();
+  /// Does the search that was begun; on any thread, beside `process`.
   void run_search();
+  /// Takes the search's result into use.
   void finish_search();
 
   /// Sets a new calibration and restarts the evidence.

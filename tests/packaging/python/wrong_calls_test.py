@@ -30,6 +30,8 @@ class WrongCalls(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = scratch()
+        cls.before = os.getcwd()
+        os.chdir(cls.folder.name)  # what a wrong path names is written here
         cls.sweeps = list(infuse.decode(capture(cls.folder.name, 1), "HDL-32E"))
         cls.points = room(600)
         generator = np.random.default_rng(1)
@@ -38,6 +40,7 @@ class WrongCalls(unittest.TestCase):
 
     @classmethod
     def tearDownClass(cls):
+        os.chdir(cls.before)
         cls.folder.cleanup()
 
     def calls(self):
