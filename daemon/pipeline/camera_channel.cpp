@@ -2,6 +2,7 @@
 
 #include "daemon/pipeline/pairing.hpp"
 #include "drivers/camera/colour.hpp"
+#include "fusion/geometry/mean_twist.hpp"
 #include "fusion/geometry/project_points.hpp"
 #include "fusion/geometry/rolling_shutter.hpp"
 
@@ -56,9 +57,7 @@ const CalibrationReport* CameraChannel::monitor(const ImageMatch& match,
 std::optional<geometry::Vector6> CameraChannel::twist_before(
     Stamp exposure, const geometry::Trajectory& trajectory) {
   constexpr Duration kSpan{50'000'000};
-  const geometry::MotionBetween moved = trajectory.between(exposure - kSpan, exposure);
-  if (!moved.usable()) return std::nullopt;
-  return geometry::log(moved.T_from_to) / to_seconds(kSpan);
+  return geometry::mean_twist(trajectory, exposure - kSpan, exposure);
 }
 
 void CameraChannel::move_to_rows(Stamp exposure, const geometry::Trajectory& trajectory) {

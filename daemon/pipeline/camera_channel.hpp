@@ -23,8 +23,7 @@ class CameraChannel {
                 bool blocking);
 
   /// Deskews the sweep as of the exposure, of each row if the shutter is rolling, and projects it
-  /// into the image, which is readable. The
-  /// result is valid until the next call.
+  /// into the image, which is readable. The result is valid until the next call.
   ImageMatch project(const CameraImage& image, const Sweep& sweep,
                      const geometry::Trajectory& trajectory);
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fusion/geometry/mean_twist.hpp"
+
 namespace infuse::daemon {
 namespace {
 
@@ -51,11 +53,10 @@ std::vector<PairedSweep> SweepPairing::finish() {
 }
 
 std::optional<geometry::Vector6> SweepPairing::twist_at(Stamp exposure) const {
-  const geometry::MotionBetween motion =
-      odometry_.trajectory().between(exposure - kTwistWindow / 2, exposure + kTwistWindow / 2);
-  if (!motion.usable()) return std::nullopt;
-  const Eigen::Isometry3d lidar = T_vehicle_lidar_.inverse() * motion.T_from_to * T_vehicle_lidar_;
-  return geometry::log(lidar) / to_seconds(kTwistWindow);
+  const auto twist = geometry::mean_twist(odometry_.trajectory(), exposure - kTwistWindow / 2,
+                                          exposure + kTwistWindow / 2);
+  if (!twist) return std::nullopt;
+  return geometry::adjoint(T_vehicle_lidar_.inverse()) * *twist;
 }
 
 void SweepPairing::deskew(size_t exposure) {

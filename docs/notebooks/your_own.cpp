@@ -8,8 +8,8 @@
 
 namespace {
 
-/// Distance of a point from the target's plane with Cauchy's weight, 1 / (1 + d² / width²): points
-/// of what has moved between two scans hardly count. It is PointToPlaneFactor but for the weight.
+/// The distance of a point from the target's plane, with Cauchy's weight 1 / (1 + d² / width²).
+/// Points on things that moved between the two scans get little weight. All else is inherited.
 struct CauchyPlane : infuse::registration::PointToPlaneFactor {
   double width = 0.1;  // m
 

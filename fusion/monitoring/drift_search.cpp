@@ -15,9 +15,9 @@ namespace {
 using geometry::Matrix6;
 using geometry::Vector6;
 
-constexpr size_t kReturns = 2000;  // of a scene; bounds the work
+constexpr size_t kReturns = 2000;  // of a scene; more cost more and say little more
 constexpr double kBlur = 3;        // samples, of the blurred image: 0.6° of 300 samples
-constexpr int kThin = 2;           // samples; bounds the work
+constexpr int kThin = 2;           // samples
 // A blurred peak is as wide as two steps of the screen. About the optical axis, returns move half
 // as much as at the image's border.
 constexpr double kScreenStep = 1 * kDegree;
@@ -51,7 +51,6 @@ void DriftSearch::add(const ComparedPlanes& planes, const ComparedReturns& retur
                       const Motion& motion) {
   Scene& scene = scenes_[next_++ % kScenes];
   scene.fine = planes;
-  blur_.compute(planes, kBlur, kThin, scene.blurred);
   scene.returns.thin(returns, kReturns);
   scene.motion = motion;
 }
@@ -103,6 +102,10 @@ void DriftSearch::collect_candidates(const std::optional<Vector6>& known) {
   if (known) {
     candidates_[candidate_count_++].moved = *known;
     return;
+  }
+  for (size_t k = 0; k < count_; ++k) {
+    Scene& scene = scenes_[(next_ - 1 - k) % kScenes];
+    blur_.compute(scene.fine, kBlur, kThin, scene.blurred);
   }
   candidates_[0].nats = value_at(candidates_[0].moved, Detail::kBlurred);
   const int steps = static_cast<int>(kReach / kScreenStep);
@@ -211,7 +214,7 @@ DriftSearch::Parabola DriftSearch::parabola_at(const Vector6& moved) {
 /// A rotation and the displacement that looks alike form a ridge, along which steps of one axis get
 /// nowhere. Moves by Newton steps while that is better, and returns the information there.
 Matrix6 DriftSearch::climb_ridge(Candidate& best) {
-  constexpr int kMaxMoves = 3;     // bounds the work
+  constexpr int kMaxMoves = 3;
   constexpr double kMaxSteps = 3;  // of the parabola's
   Vector6 steps;
   steps << Eigen::Vector3d::Constant(kStep), Eigen::Vector3d::Constant(kTranslationStep);

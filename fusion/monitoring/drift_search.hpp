@@ -30,7 +30,7 @@ struct DriftEstimate {
 
 /// Searches the pose of a camera in its last scenes, after a knock of any size: all rotations of
 /// some degrees with blurred images, then the best ones more and more finely in all six axes. Pure;
-/// allocates nothing once it has held as many scenes as it keeps.
+/// allocates nothing once it has held and searched as many scenes as it keeps.
 class DriftSearch {
  public:
   explicit DriftSearch(const MonitorDependence::Weights& weights) : dependence_(weights) {}
@@ -45,11 +45,11 @@ class DriftSearch {
                      const std::optional<geometry::Vector6>& known, size_t scenes, double noise,
                      const geometry::CameraModel& camera);
 
-  static constexpr size_t kScenes = 8;  ///< bounds memory and work
+  static constexpr size_t kScenes = 8;  ///< that are kept
 
  private:
   struct Scene {
-    ComparedPlanes fine, blurred;
+    ComparedPlanes fine, blurred;  ///< blurred by a search without a known pose
     ComparedReturns returns;
     Motion motion;
   };
@@ -85,7 +85,7 @@ class DriftSearch {
   const geometry::CameraModel* camera_ = nullptr;
   size_t count_ = 0;
   double noise_ = 1;
-  static constexpr size_t kCandidates = 5;  ///< bounds the work
+  static constexpr size_t kCandidates = 5;  ///< peaks that are kept
   std::array<Candidate, kCandidates> candidates_;
   size_t candidate_count_ = 0;
 };
