@@ -85,16 +85,17 @@ class MqttPublisher::Worker {
     return disk_problem_;
   }
 
-  /// Returns after the thread has ended, or after `timeout`.
-  void stop(milliseconds timeout) {
+  /// Returns after the thread has done its work, or after `timeout`. Whether it has.
+  bool stop(milliseconds timeout) {
     {
       std::unique_lock lock(mutex_);
       deadline_ = Clock::now() + timeout;
       changed_.notify_all();
-      if (changed_.wait_for(lock, timeout + kLoop, [&] { return ended_; })) return;
+      if (changed_.wait_for(lock, timeout + kLoop, [&] { return ended_; })) return true;
     }
     const std::unique_lock storing(queue_mutex_, std::try_to_lock);
     if (storing) store_mailbox();  // the thread waits for a host that does not answer
+    return false;
   }
 
   /// The thread.
@@ -279,8 +280,8 @@ Result<std::unique_ptr<MqttPublisher>> MqttPublisher::start(const MqttSettings& 
   if (!password) return tl::unexpected(password.error());
   auto worker =
       std::make_shared<Worker>(settings, *std::move(password), std::move(release), queue_file);
-  std::thread([worker] { worker->run(); }).detach();
-  return std::unique_ptr<MqttPublisher>(new MqttPublisher(worker));
+  std::thread thread([worker] { worker->run(); });
+  return std::unique_ptr<MqttPublisher>(new MqttPublisher(worker, std::move(thread)));
 }
 
 MqttPublisher::~MqttPublisher() { finish(milliseconds{0}); }
@@ -292,7 +293,12 @@ QueueStats MqttPublisher::stats() const { return worker_->stats(); }
 std::string MqttPublisher::disk_problem() const { return worker_->disk_problem(); }
 
 void MqttPublisher::finish(milliseconds timeout) {
-  if (!std::exchange(finished_, true)) worker_->stop(timeout);
+  if (!thread_.joinable()) return;
+  if (worker_->stop(timeout)) {
+    thread_.join();
+  } else {
+    thread_.detach();  // it waits for a host that does not answer
+  }
 }
 
 }  // namespace infuse::daemon

@@ -3,6 +3,8 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <thread>
+#include <utility>
 
 #include "daemon/config/mqtt_settings.hpp"
 #include "daemon/mqtt/report_queue.hpp"
@@ -42,9 +44,10 @@ class MqttPublisher {
 
  private:
   class Worker;
-  explicit MqttPublisher(std::shared_ptr<Worker> worker) : worker_(std::move(worker)) {}
+  MqttPublisher(std::shared_ptr<Worker> worker, std::thread thread)
+      : worker_(std::move(worker)), thread_(std::move(thread)) {}
   std::shared_ptr<Worker> worker_;
-  bool finished_ = false;
+  std::thread thread_;
 };
 
 }  // namespace infuse::daemon
