@@ -19,13 +19,12 @@
 
 namespace infuse::daemon {
 
-/// Returns daemon/protocol/<name>.schema.json, read once; null if there is none.
+/// Returns daemon/<name>.schema.json, read once; null if there is none.
 inline const valijson::Schema* load_schema(const std::string& name) {
   static std::map<std::string, std::unique_ptr<valijson::Schema>> read;
   const auto known = read.find(name);
   if (known != read.end()) return known->second.get();
-  std::ifstream file(std::filesystem::path(source_folder()) / "daemon/protocol" /
-                     (name + ".schema.json"));
+  std::ifstream file(std::filesystem::path(source_folder()) / "daemon" / (name + ".schema.json"));
   if (!file) return nullptr;
   const nlohmann::json json = nlohmann::json::parse(file);
   auto schema = std::make_unique<valijson::Schema>();
@@ -64,7 +63,14 @@ inline testing::AssertionResult is_valid_message(const std::string& line) {
   std::transform(name.begin(), name.end(), name.begin(), [](char c) {
     return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   });
-  return matches_schema(json, name);
+  return matches_schema(json, "protocol/" + name);
+}
+
+/// Validates what a command printed with --json by daemon/results/<name>.schema.json.
+inline testing::AssertionResult is_result(const std::string& output, const std::string& name) {
+  const auto json = nlohmann::json::parse(output, nullptr, false);
+  if (!json.is_object()) return testing::AssertionFailure() << "no result: " << output;
+  return matches_schema(json, "results/" + name);
 }
 
 }  // namespace infuse::daemon

@@ -11,7 +11,7 @@ from . import _infuse
 from ._infuse import (Camera, Decoder, Error, GnssFix, GyroReadings, Image, ImuSample, Intrinsics, Lidar, Monitor,
                       MonitorReport, Recording, Reestimate, Sweep, WheelOdometry, __version__, calibration, decode,
                       dependence, models, motion, registration)
-from . import client, plot, streetmap
+from . import client, plot, results, streetmap
 from .opening import open
 from .replay import Replay
 
@@ -20,4 +20,4 @@ for _name in ("calibration", "dependence", "motion", "registration"):
 
 __all__ = ["Camera", "Decoder", "Error", "GnssFix", "GyroReadings", "Image", "ImuSample", "Intrinsics", "Lidar",
            "Monitor", "MonitorReport", "Recording", "Reestimate", "Replay", "Sweep", "WheelOdometry", "calibration",
-           "client", "decode", "dependence", "models", "motion", "open", "plot", "registration", "streetmap"]
+           "client", "decode", "dependence", "models", "motion", "open", "plot", "registration", "results", "streetmap"]

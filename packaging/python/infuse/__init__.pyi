@@ -10,6 +10,7 @@ from . import dependence as dependence
 from . import motion as motion
 from . import plot as plot
 from . import registration as registration
+from . import results as results
 from . import streetmap as streetmap
 from .replay import Replay as Replay
 

@@ -13,6 +13,7 @@
 #include "fusion/motion/trajectory_error.hpp"
 #include "tests/daemon/drive/simulated.hpp"
 #include "tests/daemon/run_program.hpp"
+#include "tests/daemon/schema.hpp"
 #include "tests/folders.hpp"
 
 namespace infuse::daemon {
@@ -304,6 +305,7 @@ TEST_F(MapDrive, AnotherVisitIsFoundOnTheMapAndTracked) {
   const ProgramResult run =
       Made::infuse("map locate " + made_->map() + " " + other + " -o " + track + " --json");
   ASSERT_EQ(run.code, 0) << run.output;
+  EXPECT_TRUE(is_result(run.output, "map-locate"));
   const auto summary = nlohmann::json::parse(run.output);
   EXPECT_LT(summary["found_after_s"], 10) << run.output;
   EXPECT_GT(summary["tracking"], 100) << run.output;
@@ -358,6 +360,7 @@ TEST_F(MapDrive, AnotherVisitIsMergedIntoTheMap) {
       "map merge " + made_->map() + " " + made_->map("of_tuesday") + " --no-gnss -o " + both;
   const ProgramResult run = Made::infuse(command + " --json");
   ASSERT_EQ(run.code, 0) << run.output;
+  EXPECT_TRUE(is_result(run.output, "map"));
   const auto summary = nlohmann::json::parse(run.output);
   EXPECT_EQ(summary["drives"], 2);
   EXPECT_GT(summary["closures"], 20) << run.output;

@@ -8,6 +8,7 @@
 
 #include "daemon/protocol/json.hpp"
 #include "tests/daemon/run_program.hpp"
+#include "tests/daemon/schema.hpp"
 #include "tests/folders.hpp"
 
 namespace infuse::daemon {
@@ -56,6 +57,7 @@ TEST_F(HistoryCommandTest, TheDriftOfEachMonthIsThatOfItsLastCalibration) {
   add_calibration(kJanuary + 40 * kDay, 0.2, 1);
   const auto result = history("--json");
   ASSERT_EQ(result.code, 0) << result.output;
+  EXPECT_TRUE(is_result(result.output, "history"));
   const Json drift = Json::parse(result.output)["drift"];
   ASSERT_EQ(drift.size(), 2U);
   EXPECT_EQ(drift[0]["month"], "2026-01");
@@ -82,6 +84,7 @@ TEST_F(HistoryCommandTest, OtherLinesAreCountedAndOldOnesLeftOut) {
   std::ofstream(folder_ / "history.jsonl", std::ios::app) << "{\"form\":1,\"cl";
   const auto result = history("--json --days 30");
   ASSERT_EQ(result.code, 0) << result.output;
+  EXPECT_TRUE(is_result(result.output, "history"));
   const Json shown = Json::parse(result.output);
   EXPECT_EQ(shown["alerts"].size(), 1U);
   EXPECT_EQ(shown["unreadable"], 2);

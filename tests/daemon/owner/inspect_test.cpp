@@ -12,6 +12,7 @@
 #include "fixtures/scene/capture.hpp"
 #include "fixtures/velodyne/db_xml.hpp"
 #include "tests/daemon/run_program.hpp"
+#include "tests/daemon/schema.hpp"
 #include "tests/folders.hpp"
 #include "tests/raw_capture.hpp"
 #include "tests/real_data.hpp"
@@ -53,6 +54,7 @@ class InspectTest : public testing::Test {
   static Inspection inspect(const std::filesystem::path& path, const std::string& options = "") {
     const ProgramResult result = run_shell_command(programs_folder() + "/infuse inspect --json " +
                                                    options + " " + path.string() + " 2>/dev/null");
+    EXPECT_TRUE(result.output.empty() || is_result(result.output, "inspect"));
     return {result.code, json::parse(result.output, nullptr, false)};
   }
 
@@ -279,6 +281,7 @@ TEST_F(InspectTest, CutAzimuthsWrap) {
   };
   const ProgramResult negative = decode("-90");
   EXPECT_EQ(negative.code, 0);
+  EXPECT_TRUE(is_result(negative.output, "decode"));
   EXPECT_EQ(negative.output, decode("270").output);
 }
 

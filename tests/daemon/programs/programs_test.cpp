@@ -85,7 +85,9 @@ TEST_F(ProgramsTest, TheSummaryIsOneObjectOrReadable) {
   EXPECT_THAT(text.output, HasSubstr("VLP-16, OK (inferred: product byte 0x22"));
   const ProgramResult machine = run("infused --json --replay " + path() + socket());
   ASSERT_EQ(machine.code, 0);
-  const json summary = json::parse(machine.output.substr(machine.output.rfind("\n{") + 1));
+  const std::string object = machine.output.substr(machine.output.rfind("\n{") + 1);
+  EXPECT_TRUE(is_result(object, "replay"));
+  const json summary = json::parse(object);
   EXPECT_EQ(summary["packets"], truth_.packets);
   EXPECT_EQ(summary["returns"], truth_.returns);
   EXPECT_EQ(summary["packets_lost"], 0);
@@ -115,6 +117,7 @@ TEST_F(ProgramsTest, InspectPrintsStreamsDevicesAndProblems) {
   make(3, 0.05);
   const ProgramResult machine = run("infuse inspect --json " + path());
   ASSERT_EQ(machine.code, 0);
+  EXPECT_TRUE(is_result(machine.output, "inspect"));
   const json found = json::parse(machine.output);
   ASSERT_EQ(found["streams"].size(), 2U);
   EXPECT_EQ(found["streams"][0]["what"], "lidar packets");
@@ -184,6 +187,7 @@ TEST_F(ProgramsTest, StreetMapsAreMadeAndRefused) {
   const std::string image = (folder_ / "x.png").string();
   const ProgramResult made = run("infuse streetmap --json " + altfeld + map + " --image " + image);
   ASSERT_EQ(made.code, 0) << made.output;
+  EXPECT_TRUE(is_result(made.output, "streetmap"));
   const json report = json::parse(made.output);
   EXPECT_EQ(report["kinds"]["building"], 115);
   EXPECT_EQ(report["bytes"], std::filesystem::file_size(folder_ / "x.map"));
@@ -208,6 +212,7 @@ TEST_F(ProgramsTest, EvaluateScoresATrajectoryByHandMadeErrors) {
       (folder_ / "result.tum").string() + " " + (folder_ / "truth.tum").string();
   const ProgramResult ran = run("infuse evaluate " + files + " --align first --json");
   ASSERT_EQ(ran.code, 0) << ran.output;
+  EXPECT_TRUE(is_result(ran.output, "evaluate"));
   const json score = json::parse(ran.output);
   EXPECT_EQ(score["paired"], 200);
   EXPECT_NEAR(score["absolute"]["translation_m"]["max"].get<double>(), 0.01 * 398, 1e-6);
@@ -233,6 +238,7 @@ TEST_F(ProgramsTest, EvaluateScoresACalibrationInDegreesCentimetresAndPixels) {
   const ProgramResult ran =
       run("infuse evaluate " + rig("result.toml", 0.05) + " " + truth + " --json");
   ASSERT_EQ(ran.code, 0) << ran.output;
+  EXPECT_TRUE(is_result(ran.output, "evaluate"));
   const json camera = json::parse(ran.output)["cameras"][0];
   EXPECT_EQ(camera["camera"], "front");
   EXPECT_NEAR(camera["translation_m"].get<double>(), 0.05, 1e-9);

@@ -20,6 +20,7 @@
 #include "fusion/geometry/rigid_motion.hpp"
 #include "tests/daemon/pipeline/run_replay.hpp"
 #include "tests/daemon/run_program.hpp"
+#include "tests/daemon/schema.hpp"
 #include "tests/folders.hpp"
 #include "tests/real_data.hpp"
 
@@ -69,8 +70,10 @@ class RealDrive : public testing::Test {
   }
 
   json calibrate(const std::string& arguments) {
-    return json::parse(
-        run_quietly("infuse calibrate " + drive_.string() + " --json " + arguments).output);
+    const std::string output =
+        run_quietly("infuse calibrate " + drive_.string() + " --json " + arguments).output;
+    EXPECT_TRUE(is_result(output, "calibrate"));
+    return json::parse(output);
   }
 
   TemporaryFolder folder_;
@@ -125,8 +128,10 @@ TEST_F(RealDrive, ACameraTurnedByOneDegreeAboutAnyAxisIsSuspected) {
 // Once a vehicle with gyros was taken to stay in a plane, and its deskewed sweeps were blurred.
 TEST_F(RealDrive, DeskewedSweepsAreSharperThanMeasuredOnes) {
   IMPORT_OR_SKIP();
-  const json sharp =
-      json::parse(run_quietly("infuse evaluate --json --sharpness " + drive_.string()).output);
+  const std::string output =
+      run_quietly("infuse evaluate --json --sharpness " + drive_.string()).output;
+  EXPECT_TRUE(is_result(output, "evaluate"));
+  const json sharp = json::parse(output);
   const json voxels = sharp["voxels_per_point"];
   EXPECT_GE(sharp["sweeps"].get<int>(), 49);
   EXPECT_LT(voxels["deskewed"].get<double>(), voxels["raw"].get<double>());
@@ -276,8 +281,10 @@ TEST_F(RealDrive, CalibrationWithoutTimesOfTheReturnsIsRefused) {
 TEST_F(RealDrive, BecomesAMap) {
   IMPORT_OR_SKIP();
   const std::string map = (folder_ / "map").string();
-  const json made =
-      json::parse(run_quietly("infuse map " + drive_.string() + " -o " + map + " --json").output);
+  const std::string output =
+      run_quietly("infuse map " + drive_.string() + " -o " + map + " --json").output;
+  EXPECT_TRUE(is_result(output, "map"));
+  const json made = json::parse(output);
   EXPECT_TRUE(made["usable"].get<bool>()) << made;
   EXPECT_EQ(made["closures"], 0);
   EXPECT_EQ(made["sweeps"], 51);

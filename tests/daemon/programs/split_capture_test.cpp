@@ -8,6 +8,7 @@
 
 #include "fixtures/scene/capture.hpp"
 #include "tests/daemon/run_program.hpp"
+#include "tests/daemon/schema.hpp"
 #include "tests/folders.hpp"
 #include "tests/raw_capture.hpp"
 #include "tests/scratch_folder.hpp"
@@ -109,6 +110,7 @@ TEST_F(SplitCaptureTest, InspectListsTheCapturesOfAFolder) {
   RawCapture{RawCapture::read(whole_).header, {}}.write(folder_ / "ring" / "empty.pcap");
   const ProgramResult bad = run("infuse inspect --json ring/");
   EXPECT_EQ(bad.code, 1);
+  EXPECT_TRUE(is_result(bad.output, "inspect"));
   const json found = json::parse(bad.output);
   ASSERT_EQ(found["captures"].size(), 4U);
   EXPECT_THAT(found["captures"][0]["problems"].dump(), HasSubstr("cannot be read as pcap"));

@@ -91,7 +91,7 @@ TEST(Request, TheSchemaAgreesWithTheParser) {
         R"({"op":"record","max_bytes":0})", R"({"op":"watch","classes":["sweep"]})", R"({})",
         R"({"op":"watch","classes":"SWEEP"})"}) {
     EXPECT_EQ(parse_request(text).has_value(),
-              static_cast<bool>(matches_schema(nlohmann::json::parse(text), "request")))
+              static_cast<bool>(matches_schema(nlohmann::json::parse(text), "protocol/request")))
         << text;
   }
 }

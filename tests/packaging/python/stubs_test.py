@@ -26,7 +26,9 @@ def declared(path):
         tree = ast.parse(file.read())
 
     def arguments(node):
-        return [a.arg for a in node.args.posonlyargs + node.args.args + node.args.kwonlyargs if a.arg != "self"]
+        several = [node.args.vararg] if node.args.vararg else []
+        given = node.args.posonlyargs + node.args.args + several + node.args.kwonlyargs
+        return [a.arg for a in given if a.arg != "self"]
 
     functions = {n.name: arguments(n) for n in tree.body if isinstance(n, ast.FunctionDef)}
     classes = {n.name: {m.name: arguments(m) for m in n.body if isinstance(m, ast.FunctionDef)}
@@ -44,7 +46,7 @@ def actual_arguments(function):
 
 class Stubs(unittest.TestCase):
     def modules(self):
-        for name in ("calibration", "dependence", "motion", "plot", "registration", "streetmap"):
+        for name in ("calibration", "dependence", "motion", "plot", "registration", "results", "streetmap"):
             yield name, getattr(infuse, name)
 
     def test_stubs_have_the_names_and_arguments_of_the_module(self):

@@ -11,6 +11,7 @@
 #include "fixtures/scene/capture.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
 #include "tests/daemon/run_program.hpp"
+#include "tests/daemon/schema.hpp"
 #include "tests/folders.hpp"
 #include "tests/fusion/registration/random_room.hpp"
 #include "tests/scratch_folder.hpp"
@@ -62,6 +63,7 @@ TEST_F(AlignTest, FindsThePoseFromAGuessAndDrawsBoth) {
   const ProgramResult machine =
       align(target() + source + "--guess 0.2,0,1 --json -o " + drawing.string());
   ASSERT_EQ(machine.code, 0) << machine.output;
+  EXPECT_TRUE(is_result(machine.output, "align"));
   const json found = json::parse(machine.output);
   EXPECT_EQ(found["method"], "gicp");
   EXPECT_TRUE(found["usable"]);
@@ -106,6 +108,7 @@ TEST_F(AlignTest, StatesWhySweepsCannotBeAligned) {
   const auto reason = [&](const std::string& source, const std::string& method) -> std::string {
     const ProgramResult refused = align(there + source + "--json --method " + method);
     EXPECT_EQ(refused.code, 1) << source << refused.output;
+    EXPECT_TRUE(is_result(refused.output, "align"));
     const json found = json::parse(refused.output);
     EXPECT_FALSE(found["usable"]);
     EXPECT_FALSE(found.contains("T_target_source"));
@@ -139,6 +142,7 @@ TEST_F(AlignTest, RefusesAPoseThatThePlaneDoesNotDetermine) {
   const ProgramResult refused =
       align(write("a.ply", floor(1)) + write("b.ply", floor(2)) + "--json --method gicp");
   EXPECT_EQ(refused.code, 1) << refused.output;
+  EXPECT_TRUE(is_result(refused.output, "align"));
   const json found = json::parse(refused.output);
   EXPECT_EQ(found["reason"], "the geometry does not determine the pose in all directions");
   EXPECT_THAT(found["free_directions"].get<std::string>(), HasSubstr("translation along x"));

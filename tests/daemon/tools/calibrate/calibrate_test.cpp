@@ -11,6 +11,7 @@
 #include "drivers/recording/drive_toml.hpp"
 #include "tests/daemon/pipeline/run_replay.hpp"
 #include "tests/daemon/run_program.hpp"
+#include "tests/daemon/schema.hpp"
 #include "tests/folders.hpp"
 #include "tests/real_data.hpp"
 
@@ -41,6 +42,7 @@ TEST(CalibrateCommand, RealKittiPairsConvergeAndWriteARig) {
       calibrate(drive.string() + " --perturb 1,0.05 --seed 2 --json --report " +
                 (folder / "report").string() + " -o " + rig_file.string());
   EXPECT_EQ(ran.code, 0) << ran.output;
+  EXPECT_TRUE(is_result(ran.output, "calibrate"));
   const json result = json::parse(ran.output, nullptr, false);
   ASSERT_TRUE(result.is_object()) << ran.output;
   EXPECT_TRUE(result["usable"].get<bool>());
@@ -72,6 +74,7 @@ TEST(CalibrateCommand, RealKittiTwoScansAreNotUsable) {
   ASSERT_TRUE(importers::import_kitti(kitti, drive));
   const ProgramResult ran = calibrate(drive.string() + " --scenes 2 --within 0 --json");
   EXPECT_EQ(ran.code, 1);
+  EXPECT_TRUE(is_result(ran.output, "calibrate"));
   const json result = json::parse(ran.output, nullptr, false);
   ASSERT_TRUE(result.is_object()) << ran.output;
   EXPECT_FALSE(result["usable"].get<bool>());
@@ -88,6 +91,7 @@ TEST(CalibrateCommand, RealOpenCalibScenesAreNotUsableAndWithinADegree) {
     ASSERT_TRUE(importers::import_opencalib(scenes / (scene + ".calib.txt"), drive));
     const ProgramResult ran = calibrate(drive.string() + " --perturb 1,0.05 --seed 3 --json");
     EXPECT_EQ(ran.code, 1);
+    EXPECT_TRUE(is_result(ran.output, "calibrate"));
     const json result = json::parse(ran.output, nullptr, false);
     ASSERT_TRUE(result.is_object()) << ran.output;
     EXPECT_FALSE(result["usable"].get<bool>());

@@ -3,6 +3,7 @@
 
 #include "daemon/protocol/json.hpp"
 #include "tests/daemon/run_program.hpp"
+#include "tests/daemon/schema.hpp"
 #include "tests/folders.hpp"
 #include "tests/scratch_folder.hpp"
 
@@ -35,6 +36,7 @@ TEST_F(MapCommandTest, OptimisesAGraphWithoutPoses) {
   folder_.write("graph.g2o", kSquare);
   const auto result = optimize("--json");
   ASSERT_EQ(result.code, 0) << result.output;
+  EXPECT_TRUE(is_result(result.output, "map-optimize"));
   const Json json = Json::parse(result.output);
   EXPECT_EQ(json["poses"], 4);
   EXPECT_EQ(json["edges"], 4);
@@ -70,6 +72,7 @@ TEST_F(MapCommandTest, RejectsAFalseClosure) {
   folder_.write("graph.g2o", text);
   const auto result = optimize("--robust --json");
   ASSERT_EQ(result.code, 0) << result.output;
+  EXPECT_TRUE(is_result(result.output, "map-optimize"));
   const Json json = Json::parse(result.output);
   EXPECT_EQ(json["closures"], 9);
   ASSERT_EQ(json["rejected"].size(), 1) << result.output;

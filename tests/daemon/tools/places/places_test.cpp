@@ -9,6 +9,7 @@
 #include "daemon/protocol/json.hpp"
 #include "drivers/camera/png_encoder.hpp"
 #include "tests/daemon/run_program.hpp"
+#include "tests/daemon/schema.hpp"
 #include "tests/folders.hpp"
 #include "tests/scratch_folder.hpp"
 
@@ -82,6 +83,7 @@ TEST_F(PlacesTest, FindsImagesInAnotherLight) {
   const std::string table = (folder_ / "found.csv").string();
   const ProgramResult result = places(map + " " + queries + " --json --length 9 -o " + table);
   ASSERT_EQ(result.code, 0) << result.output;
+  EXPECT_TRUE(is_result(result.output, "places"));
   const Json json = Json::parse(result.output);
   EXPECT_EQ(json["queries"], 60);
   EXPECT_EQ(json["places"], kImages);
@@ -123,6 +125,7 @@ TEST_F(PlacesTest, StatesNoChanceOfSingleImages) {
   const std::string map = write_images("map", 1, 0, kImages, false);
   const ProgramResult result = places(map + " " + map + " --sequence none --json");
   EXPECT_EQ(result.code, 0);
+  EXPECT_TRUE(is_result(result.output, "places"));
   const Json answer = Json::parse(result.output)["answers"][7];
   EXPECT_EQ(answer["index"], 7);
   EXPECT_FALSE(answer.contains("chance"));
