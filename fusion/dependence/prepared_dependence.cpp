@@ -5,6 +5,7 @@
 
 #include "fusion/dependence/column_sums.hpp"
 #include "fusion/dependence/matrix_product.hpp"
+#include "fusion/dependence/range_basis.hpp"
 #include "fusion/dependence/sample_choice.hpp"
 #include "fusion/dependence/smi_gradient.hpp"
 
@@ -39,38 +40,55 @@ void PreparedDependence::prepare_width(double sigma, const Samples& ordered) {
   gather_rows(ordered, centre_rows_, centres);
   gaussian_kernel(ordered, centres, sigma, width.features);
 
-  const int folds = folds_.count();
-  std::vector<MatrixXd> grams(static_cast<size_t>(folds));
-  MatrixXd total = MatrixXd::Zero(centres.rows(), centres.rows());
-  for (int f = 0; f < folds; ++f) {
-    MatrixXd& gram = grams[static_cast<size_t>(f)];
+  MatrixXd total = MatrixXd::Zero(centres.rows(), centres.rows()), gram;
+  for (int f = 0; f < folds_.count(); ++f) {
     multiply_by_transpose(
         width.features.middleCols(folds_.begin[static_cast<size_t>(f)], folds_.size(f)), gram);
     total += gram;
   }
-  MatrixXd integral;
-  if (measure_ == FitMeasure::kQmi) gaussian_overlap(centres, sigma, integral);
-  const double n = static_cast<double>(folds_.order.size());
-  for (int f = 0; f <= folds; ++f) {
-    if (f < folds && folds == 1) continue;
-    Split& split = width.splits.emplace_back();
+  if (measure_ == FitMeasure::kQmi) {
+    MatrixXd integral;
+    gaussian_overlap(centres, sigma, integral);
+    width.basis = spectral_basis(integral);
+    prepare_splits(width, width.features, integral);
+  } else {
+    width.basis = spectral_basis(total / static_cast<double>(folds_.order.size()));
+    multiply(range_basis(total), width.features, width.reduced);
+    prepare_splits(width, width.reduced, {});
+  }
+  if (width.basis.rotation.size() == 0) reason_ = "the kernel matrix of the fixed side is singular";
+  widths_.push_back(std::move(width));
+}
+
+// `integral` is P of every fold; empty: P is the Gram matrix of its features.
+void PreparedDependence::prepare_splits(Width& width, const MatrixXd& features,
+                                        const MatrixXd& integral) {
+  const int folds = folds_.count();
+  if (folds == 1) return;
+  std::vector<MatrixXd> grams(static_cast<size_t>(folds));
+  MatrixXd total = MatrixXd::Zero(features.rows(), features.rows());
+  for (int f = 0; f < folds && integral.size() == 0; ++f) {
     const auto fold = static_cast<size_t>(f);
-    const double count = f < folds ? folds_.size(f) : 0;
-    if (measure_ == FitMeasure::kQmi) {
-      split.basis = spectral_basis(integral);
-    } else {
-      split.basis = spectral_basis(f < folds ? MatrixXd((total - grams[fold]) / (n - count))
-                                             : MatrixXd(total / n));
+    multiply_by_transpose(features.middleCols(folds_.begin[fold], folds_.size(f)), grams[fold]);
+    total += grams[fold];
+  }
+  const double n = static_cast<double>(folds_.order.size());
+  for (int f = 0; f < folds; ++f) {
+    const auto fold = static_cast<size_t>(f);
+    const double count = folds_.size(f);
+    Split& split = width.splits.emplace_back();
+    split.basis = integral.size() != 0
+                      ? width.basis
+                      : spectral_basis(MatrixXd((total - grams[fold]) / (n - count)));
+    if (split.basis.rotation.size() == 0) {
+      width.basis = {};
+      return;
     }
-    if (split.basis.rotation.size() == 0)
-      reason_ = "the kernel matrix of the fixed side is singular";
-    if (f == folds || *reason_ != '\0') continue;
     MatrixXd half;
-    multiply(split.basis.rotation,
-             measure_ == FitMeasure::kQmi ? integral : MatrixXd(grams[fold] / count), half);
+    multiply(split.basis.rotation, integral.size() != 0 ? integral : MatrixXd(grams[fold] / count),
+             half);
     multiply(half, split.basis.rotation.transpose(), split.held_out_gram);
   }
-  widths_.push_back(std::move(width));
 }
 
 const PreparedDependence::Width* PreparedDependence::find_width(double sigma) const {
@@ -91,7 +109,8 @@ FitEstimate PreparedDependence::evaluate(std::span<const int32_t> labels, int la
   }
   if (!answer.usable()) return answer;
   group_labels(labels, label_count);
-  return fit([&](const Width& width) { sum_labels(width, label_count); }, hyper_parameters);
+  return fit([&](const Width&, const MatrixXd& features) { sum_labels(features, label_count); },
+             hyper_parameters);
 }
 
 FitEstimate PreparedDependence::evaluate(const Samples& samples,
@@ -106,14 +125,15 @@ FitEstimate PreparedDependence::evaluate(const Samples& samples,
   if (!answer.usable()) return answer;
   gather_rows(samples, folds_.order, moving_samples_);
   gather_rows(moving_samples_, centre_rows_, moving_centres_);
-  answer = fit([&](const Width& width) { sum_samples(width); }, hyper_parameters);
+  answer = fit([&](const Width& width, const MatrixXd& features) { sum_samples(width, features); },
+               hyper_parameters);
   if (gradient == nullptr || measure_ != FitMeasure::kSmi || !answer.usable()) return answer;
 
   const Width& width = *find_width(answer.hyper_parameters.sigma);
   MatrixXd sensitivity, ordered;
-  smi_sensitivity({width.splits.back().basis, moving_basis_, theta_, answer.hyper_parameters.lambda,
-                   options_.form},
-                  width.features, moving_features_, sensitivity);
+  smi_sensitivity(
+      {width.basis, moving_basis_, theta_, answer.hyper_parameters.lambda, options_.form},
+      width.features, moving_features_, sensitivity);
   gaussian_kernel_gradient(moving_samples_, centre_rows_, width.sigma, moving_features_,
                            sensitivity, ordered);
   gradient->resize(samples.rows(), samples.cols());
@@ -147,19 +167,19 @@ void PreparedDependence::group_labels(std::span<const int32_t> labels, int label
   }
 }
 
-void PreparedDependence::sum_labels(const Width& width, int label_count) {
+void PreparedDependence::sum_labels(const MatrixXd& features, int label_count) {
   fold_sums_.resize(static_cast<size_t>(folds_.count()));
   for (size_t f = 0; f < fold_sums_.size(); ++f) {
     Sums& sums = fold_sums_[f];
     sums.n = folds_.size(static_cast<int>(f));
-    sums.cross.resize(width.features.rows(), label_count);
+    sums.cross.resize(features.rows(), label_count);
     sums.gram.resize(0, 0);
     sums.gram_diagonal.resize(label_count);
     for (int label = 0; label < label_count; ++label) {
       const size_t group = f * static_cast<size_t>(label_count) + static_cast<size_t>(label);
       const auto begin = static_cast<size_t>(group_begin_[group]);
       const size_t count = static_cast<size_t>(group_begin_[group + 1]) - begin;
-      sum_columns(width.features, std::span(grouped_).subspan(begin, count),
+      sum_columns(features, std::span(grouped_).subspan(begin, count),
                   sums.cross.data() + label * sums.cross.rows());
       sums.gram_diagonal[label] = static_cast<double>(count);
     }
@@ -172,14 +192,21 @@ void PreparedDependence::sum_labels(const Width& width, int label_count) {
   sum_folds();
 }
 
-void PreparedDependence::sum_samples(const Width& width) {
+void PreparedDependence::sum_samples(const Width& width, const MatrixXd& features) {
   gaussian_kernel(moving_samples_, moving_centres_, width.sigma, moving_features_);
+  const bool reduce = measure_ == FitMeasure::kSmi && &features == &width.reduced;
+  if (reduce) {
+    MatrixXd gram;
+    multiply_by_transpose(moving_features_, gram);
+    multiply(range_basis(gram), moving_features_, moving_reduced_);
+  }
+  const MatrixXd& moving_features = reduce ? moving_reduced_ : moving_features_;
   fold_sums_.resize(static_cast<size_t>(folds_.count()));
   for (size_t f = 0; f < fold_sums_.size(); ++f) {
     Sums& sums = fold_sums_[f];
     const int count = folds_.size(static_cast<int>(f));
-    const auto fixed = width.features.middleCols(folds_.begin[f], count);
-    const auto moving = moving_features_.middleCols(folds_.begin[f], count);
+    const auto fixed = features.middleCols(folds_.begin[f], count);
+    const auto moving = moving_features.middleCols(folds_.begin[f], count);
     sums.n = count;
     multiply(fixed, moving.transpose(), sums.cross);
     if (measure_ == FitMeasure::kSmi) {
@@ -249,9 +276,9 @@ void PreparedDependence::compute_moving_basis(const Sums& sums, TridiagonalBasis
 }
 
 // Computes matrix = rotation of the prepared side · matrix · (rotation of the other side)ᵀ.
-void PreparedDependence::rotate(const Split& split, const TridiagonalBasis& moving,
+void PreparedDependence::rotate(const SpectralBasis& fixed, const TridiagonalBasis& moving,
                                 MatrixXd& matrix) {
-  multiply(split.basis.rotation, matrix, rotated_);
+  multiply(fixed.rotation, matrix, rotated_);
   if (moving.rotation.size() == 0) {
     matrix = rotated_;
   } else {
@@ -264,9 +291,9 @@ void PreparedDependence::add_fold_errors(const Split& split, const Sums& held_ou
   subtract(held_out, train_);
   compute_moving_basis(train_, moving_basis_);
   normalise_cross(train_, cross_);
-  rotate(split, moving_basis_, cross_);
+  rotate(split.basis, moving_basis_, cross_);
   normalise_cross(held_out, held_out_cross_);
-  rotate(split, moving_basis_, held_out_cross_);
+  rotate(split.basis, moving_basis_, held_out_cross_);
   const bool diagonal = held_out.gram.size() == 0;
   const double n = measure_ == FitMeasure::kSmi ? held_out.n : 1.0;
   if (!diagonal) {
@@ -305,7 +332,7 @@ std::optional<HyperParameters> PreparedDependence::cross_validate(const ComputeS
   double best_error = std::numeric_limits<double>::max();
   errors_.resize(options_.lambdas.size());
   for (const Width& width : widths_) {
-    compute_sums(width);
+    compute_sums(width, width.reduced.size() != 0 ? width.reduced : width.features);
     std::fill(errors_.begin(), errors_.end(), 0.0);
     for (size_t f = 0; f < fold_sums_.size(); ++f)
       add_fold_errors(width.splits[f], fold_sums_[f], errors_);
@@ -334,12 +361,11 @@ FitEstimate PreparedDependence::fit(const ComputeSums& compute_sums,
   if (!answer.usable()) return answer;
   answer.hyper_parameters = *chosen;
 
-  compute_sums(*width);
-  const Split& split = width->splits.back();
+  compute_sums(*width, width->features);
   compute_moving_basis(total_, moving_basis_);
   normalise_cross(total_, cross_);
-  rotate(split, moving_basis_, cross_);
-  solve_sylvester(split.basis.eigenvalues, moving_basis_, chosen->lambda, cross_, theta_);
+  rotate(width->basis, moving_basis_, cross_);
+  solve_sylvester(width->basis.eigenvalues, moving_basis_, chosen->lambda, cross_, theta_);
   const double linear = theta_.cwiseProduct(cross_).sum();  // ⟨Θ, C⟩
   const double ridge = chosen->lambda * theta_.squaredNorm();  // ⟨Θ, PΘA⟩ = ⟨Θ, C⟩ − λ|Θ|²
   switch (measure_) {

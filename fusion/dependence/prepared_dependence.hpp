@@ -18,7 +18,9 @@ namespace infuse::dependence {
 /// The constructor computes all that depends on the prepared side alone, for every σ of the grid
 /// and every fold of the cross-validation: kernel matrix, Gram matrix, its eigenvectors, and its
 /// held-out part in their coordinates. An evaluation then costs the sums over both sides, and one
-/// rotation for all λ of the grid.
+/// rotation for all λ of the grid. The cross-validation works in the ranges of the Gram matrices
+/// (`range_basis`), where the folds lie too, with coordinates far fewer than centres for few
+/// dimensions; the fit at the chosen σ and λ works with all centres.
 ///
 /// The model is the product model I(2.7), whose coefficients solve P Θ A + λΘ = C:
 ///
@@ -56,17 +58,18 @@ class PreparedDependence {
                        Eigen::MatrixXd* gradient = nullptr);
 
  private:
-  /// Prepared side of one training set.
+  /// Prepared side of one fold.
   struct Split {
-    SpectralBasis basis;  ///< of P
-    Eigen::MatrixXd
-        held_out_gram;  ///< P of the held-out fold, rotated into the basis; empty for the whole set
+    SpectralBasis basis;            ///< of P of all other folds
+    Eigen::MatrixXd held_out_gram;  ///< P of the fold, rotated into the basis
   };
   /// Prepared side at one σ.
   struct Width {
     double sigma = 0;
-    Eigen::MatrixXd features;   ///< Φ_P, centres × n, samples in order of fold
-    std::vector<Split> splits;  ///< all but fold 0, all but fold 1, …, the whole
+    Eigen::MatrixXd features;  ///< Φ_P, centres × n, samples in order of fold
+    SpectralBasis basis;       ///< of P of the whole set
+    Eigen::MatrixXd reduced;  ///< Φ_P in its range, rank × n; empty: the splits are of `features`
+    std::vector<Split> splits;  ///< by fold
   };
   /// Sums over samples of both sides.
   struct Sums {
@@ -80,13 +83,15 @@ class PreparedDependence {
 
   void prepare_width(double sigma, const Samples& ordered);
   void group_labels(std::span<const int32_t> labels, int label_count);
-  void sum_labels(const Width& width, int label_count);
-  void sum_samples(const Width& width);
+  void prepare_splits(Width& width, const Eigen::MatrixXd& features,
+                      const Eigen::MatrixXd& integral);
+  void sum_labels(const Eigen::MatrixXd& features, int label_count);
+  void sum_samples(const Width& width, const Eigen::MatrixXd& features);
   void sum_folds();
   void subtract(const Sums& part, Sums& rest) const;
   void normalise_cross(const Sums& sums, Eigen::MatrixXd& out) const;
   void compute_moving_basis(const Sums& sums, TridiagonalBasis& out) const;
-  void rotate(const Split& split, const TridiagonalBasis& moving, Eigen::MatrixXd& matrix);
+  void rotate(const SpectralBasis& fixed, const TridiagonalBasis& moving, Eigen::MatrixXd& matrix);
   void add_fold_errors(const Split& split, const Sums& held_out, std::span<double> errors);
   template <class ComputeSums>
   FitEstimate fit(const ComputeSums& compute_sums,
@@ -104,7 +109,7 @@ class PreparedDependence {
 
   // Scratch of an evaluation.
   std::vector<int> group_begin_, group_fill_, grouped_;  ///< samples by fold, then label
-  Eigen::MatrixXd moving_samples_, moving_centres_, moving_features_;
+  Eigen::MatrixXd moving_samples_, moving_centres_, moving_features_, moving_reduced_;
   std::vector<Sums> fold_sums_;  ///< per fold
   Sums total_, train_;
   TridiagonalBasis moving_basis_;
