@@ -17,8 +17,8 @@ install(FILES packaging/examples/shuttle.toml packaging/examples/survey_car.toml
   packaging/examples/rig.toml packaging/examples/upload systemd/tap.conf systemd/mqtt.conf systemd/lcm.conf
   DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/infused/examples)
 
-# Six packages: the daemon; the command `infuse`; its tools, whose libraries are many; the simulator; the library
-# (library.cmake) and the Python module (python.cmake). `./dev package` makes the last five of their components.
+# Seven packages: the daemon; the command `infuse`; its tools, whose libraries are many; the simulator; the studies; the
+# library (library.cmake) and the Python module (python.cmake). `./dev package` makes the last six of their components.
 set(owner COMPONENT owner EXCLUDE_FROM_ALL)
 set(tools COMPONENT tools EXCLUDE_FROM_ALL)
 set(simulator COMPONENT simulator EXCLUDE_FROM_ALL)
@@ -59,6 +59,9 @@ install_manual(infuse 1 ${owner})
 if(INFUSE_SIMULATOR)
   install_manual(infuse-simulate 1 ${simulator})
 endif()
+if(TARGET infuse-study)
+  install_manual(infuse-study 1 COMPONENT study EXCLUDE_FROM_ALL)
+endif()
 configure_file(${packaging}/debian/changelog.in ${CMAKE_BINARY_DIR}/packaging/changelog @ONLY)
 compress(${CMAKE_BINARY_DIR}/packaging/changelog changelog)
 get_property(compressed GLOBAL PROPERTY INFUSE_COMPRESSED)
@@ -77,6 +80,11 @@ endfunction()
 install_package_texts(infused)
 install_package_texts(infuse ${owner})
 install_package_texts(infuse-tools ${tools})
+if(TARGET infuse-study)
+  set(study COMPONENT study EXCLUDE_FROM_ALL)
+  install(TARGETS infuse-study RUNTIME ${study})
+  install_package_texts(infuse-study ${study})
+endif()
 install_package_texts(libinfuse-dev COMPONENT library EXCLUDE_FROM_ALL)
 install_package_texts(python3-infuse COMPONENT python EXCLUDE_FROM_ALL)
 

@@ -12,9 +12,10 @@ set(python ${PROJECT_SOURCE_DIR}/packaging/python)
 file(GLOB sources CONFIGURE_DEPENDS ${python}/*.cpp)
 pybind11_add_module(infuse_python MODULE NO_EXTRAS ${sources})
 target_link_libraries(infuse_python PRIVATE infuse::flags infuse_version infuse::daemon_tools_calibrate infuse::daemon_streetmap
-  infuse::drivers_import infuse::fusion_registration)
+  infuse::drivers_import infuse::fusion_registration infuse::fusion_places_visual infuse::study_dependence
+  infuse::study_calibration)
 # What the module holds of other libraries is its own.
-target_link_options(infuse_python PRIVATE -Wl,--exclude-libs,ALL -Wl,--gc-sections)
+target_link_options(infuse_python PRIVATE -Wl,--exclude-libs,ALL -Wl,--gc-sections -Wl,--as-needed)
 target_compile_options(infuse_python PRIVATE ${INFUSE_COLD_OPTIONS})
 set_target_properties(infuse_python PROPERTIES OUTPUT_NAME _infuse CXX_VISIBILITY_PRESET hidden
   UNITY_BUILD ${INFUSE_UNITY} UNITY_BUILD_BATCH_SIZE 12 LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/python/infuse)

@@ -14,5 +14,6 @@ void bind_motion(pybind11::module_& module);
 void bind_calibration(pybind11::module_& module);
 void bind_monitoring(pybind11::module_& module);
 void bind_streetmap(pybind11::module_& module);
+void bind_study(pybind11::module_& module);
 
 }  // namespace infuse::python

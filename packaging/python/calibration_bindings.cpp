@@ -9,6 +9,7 @@
 #include "drivers/measurement/angles.hpp"
 #include "packaging/python/arrays.hpp"
 #include "packaging/python/bindings.hpp"
+#include "tests/study/calibration/compared_measures.hpp"
 
 namespace infuse::python {
 namespace {
@@ -79,11 +80,20 @@ std::shared_ptr<ScenePairs> make_pairs(const std::vector<const Sweep*>& sweeps,
   return pairs;
 }
 
+/// Measures of the programs, then those that are only compared with them.
+std::vector<std::pair<std::string, std::string>> all_measures() {
+  std::vector<std::pair<std::string, std::string>> names;
+  for (const auto& measures : {calibration::named_measures(), study::compared_measures()}) {
+    for (const auto& measure : measures) names.emplace_back(measure.name, measure.description);
+  }
+  return names;
+}
+
 const calibration::NamedMeasure& measure_of(const std::string& name) {
-  if (const auto* found = calibration::find_measure(name)) return *found;
+  if (const auto* found = study::find_any_measure(name)) return *found;
   std::string names;
-  for (const auto& measure : calibration::named_measures()) {
-    names += (names.empty() ? "" : ", ") + std::string(measure.name);
+  for (const auto& [known, description] : all_measures()) {
+    names += (names.empty() ? "" : ", ") + known;
   }
   throw py::value_error("measure: '" + name + "' is none of " + names);
 }
@@ -314,15 +324,9 @@ void bind_calibration(py::module_& parent) {
   bind_pairs(module);
   bind_outcomes(module);
   module.def(
-      "measures",
-      [] {
-        std::vector<std::pair<std::string, std::string>> names;
-        for (const auto& measure : calibration::named_measures()) {
-          names.emplace_back(measure.name, measure.description);
-        }
-        return names;
-      },
-      "(name, description) of every measure, the default first.");
+      "measures", &all_measures,
+      "(name, description) of every measure, the default first; the last, 'nmi' I(4.2), 'nmi-raw' "
+      "and 'levinson-thrun' P(3.23), are for comparison, and no program offers them.");
   module.def("read_pairs", &read_pairs, py::arg("drives"), py::kw_only(),
              py::arg("cameras") = std::vector<std::string>{}, py::arg("lidar") = "",
              py::arg("max_scenes") = 20,

@@ -1,6 +1,8 @@
 #include <pybind11/stl.h>
 
 #include "fusion/dependence/bagged_lsmi.hpp"
+#include "fusion/dependence/count_entropy.hpp"
+#include "fusion/dependence/directed_information.hpp"
 #include "fusion/dependence/histogram_measures.hpp"
 #include "fusion/dependence/prepared_dependence.hpp"
 #include "fusion/dependence/prepared_histogram.hpp"
@@ -280,6 +282,37 @@ double shrunk_information(const py::object& x, const py::object& y, const py::ob
   return information.value(shrinkage.value_or(information.optimal_shrinkage()));
 }
 
+using CountEstimator = dep::CountEntropyOptions::Estimator;
+
+CountEstimator to_count_estimator(const std::string& name) {
+  return named<CountEstimator>(name, "estimator",
+                               {{"maximum-likelihood", CountEstimator::kMaximumLikelihood},
+                                {"miller-madow", CountEstimator::kMillerMadow},
+                                {"james-stein", CountEstimator::kJamesStein},
+                                {"chao-shen", CountEstimator::kChaoShen}});
+}
+
+dep::Estimate entropy(const py::object& counts, const std::string& estimator) {
+  const auto given = to_vector<double>(counts, "counts");
+  if (const char* wrong = dep::check_counts(given); *wrong != '\0') {
+    throw py::value_error("counts: " + std::string(wrong));
+  }
+  return dep::entropy(given, {.estimator = to_count_estimator(estimator), .shrinkage = {}});
+}
+
+dep::Estimate directed_information(const py::object& x, const py::object& y, int memory,
+                                   const std::string& estimator, bool delayed) {
+  const auto which = to_count_estimator(estimator);
+  if (which == CountEstimator::kJamesStein) {
+    throw py::value_error("estimator: 'james-stein' needs a vocabulary");
+  }
+  const auto a = to_vector<int32_t>(x, "x"), b = to_vector<int32_t>(y, "y");
+  if (a.size() != b.size()) throw py::value_error("x, y: not as many of each");
+  if (memory < 0 || memory > 16) throw py::value_error("memory: not in 0 ... 16");
+  const py::gil_scoped_release release;
+  return dep::directed_information_rate(a, b, memory, which, delayed);
+}
+
 void bind_estimates(py::module_& module) {
   py::class_<dep::Estimate>(module, "Estimate",
                             "Value of an estimator, finite, and the reason where it is unusable. "
@@ -360,6 +393,16 @@ void bind_dependence(py::module_& parent) {
            py::arg("centres") = bag.fit.centres, py::arg("seed") = bag.fit.seed)
       .def("evaluate", &Bagged::evaluate, py::arg("y"))
       .def("value_and_gradient", &Bagged::value_and_gradient, py::arg("y"));
+  module.def("entropy", &entropy, py::arg("counts"), py::arg("estimator") = "maximum-likelihood",
+             "Entropy, nats, of a discrete variable, an Estimate. counts: (K,) one of every word. "
+             "estimator: 'maximum-likelihood', 'miller-madow', 'james-stein' P(4.8), 'chao-shen' "
+             "P(5.4).");
+  module.def("directed_information", &directed_information, py::arg("x"), py::arg("y"),
+             py::kw_only(), py::arg("memory") = 1, py::arg("estimator") = "chao-shen",
+             py::arg("delayed") = false,
+             "Directed information rate from x to y, P(6.1), nats a step, an Estimate. x, y: (N,) "
+             "labels, whole numbers. memory: labels of the past that are conditioned on, 0 ... 16; "
+             "0: mutual information. delayed: without the present of x.");
   module.def("shrunk_information", &shrunk_information, py::arg("x"), py::arg("y"),
              py::arg("target"), py::arg("shrinkage") = py::none(),
              "Mutual information (nats) of few pairs of labels, James-Stein P(4.8). target: "

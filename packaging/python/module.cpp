@@ -21,4 +21,5 @@ PYBIND11_MODULE(_infuse, module) {
   bind_calibration(module);
   bind_monitoring(module);
   bind_streetmap(module);
+  bind_study(module);
 }

@@ -75,7 +75,7 @@ struct Outcome {
 
 using calibration::NamedMeasure;
 
-const NamedMeasure& measure_named(const char* name) { return study::find_any_measure(name); }
+const NamedMeasure& measure_named(const char* name) { return *study::find_any_measure(name); }
 
 Outcome run(const ScenePairs& pairs, const NamedMeasure& measure, const Eigen::Isometry3d& start,
             const calibration::CalibrateOptions& options) {

@@ -10,14 +10,14 @@ import sys as _sys
 from . import _infuse
 from ._infuse import (Camera, Decoder, Error, GnssFix, GyroReadings, Image, ImuSample, Intrinsics, Lidar, Monitor,
                       MonitorReport, Recording, Reestimate, Sweep, WheelOdometry, __version__, calibration, decode,
-                      dependence, models, motion, registration)
+                      dependence, models, motion, registration, study)
 from . import client, plot, results, streetmap
 from .opening import open
 from .replay import Replay
 
-for _name in ("calibration", "dependence", "motion", "registration"):
+for _name in ("calibration", "dependence", "motion", "registration", "study"):
     _sys.modules[f"{__name__}.{_name}"] = getattr(_infuse, _name)
 
 __all__ = ["Camera", "Decoder", "Error", "GnssFix", "GyroReadings", "Image", "ImuSample", "Intrinsics", "Lidar",
            "Monitor", "MonitorReport", "Recording", "Reestimate", "Replay", "Sweep", "WheelOdometry", "calibration",
-           "client", "decode", "dependence", "models", "motion", "open", "plot", "registration", "results", "streetmap"]
+           "client", "decode", "dependence", "models", "motion", "open", "plot", "registration", "results", "streetmap", "study"]

@@ -12,6 +12,7 @@ from . import plot as plot
 from . import registration as registration
 from . import results as results
 from . import streetmap as streetmap
+from . import study as study
 from .replay import Replay as Replay
 
 __version__: str

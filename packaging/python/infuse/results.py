@@ -56,6 +56,8 @@ def run(command, *arguments, program="infuse"):
     Error: the command fails, with its own sentence.
     """
     from . import Error
+    if not isinstance(command, str):
+        raise TypeError("command: not a str")
     words = command.split()
     name = "-".join(words)
     if name not in names() and words:

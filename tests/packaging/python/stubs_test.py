@@ -46,7 +46,8 @@ def actual_arguments(function):
 
 class Stubs(unittest.TestCase):
     def modules(self):
-        for name in ("calibration", "dependence", "motion", "plot", "registration", "results", "streetmap"):
+        for name in ("calibration", "dependence", "motion", "plot", "registration", "results", "streetmap",
+                     "study"):
             yield name, getattr(infuse, name)
 
     def test_stubs_have_the_names_and_arguments_of_the_module(self):

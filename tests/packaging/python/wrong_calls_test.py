@@ -79,6 +79,21 @@ class WrongCalls(unittest.TestCase):
         yield (d.shrunk_information, {"x": [0, 1], "y": [0, 1], "target": [0.5, 0.5]},
                {"x": [[0], [0, 2], [0, -1], [0.5, 1], None], "y": [[0], [9, 9]],
                 "target": [[], [1, 1], [1.5, -0.5], [NAN, 1], "x"], "shrinkage": [-1, 2, NAN, "x"]})
+        yield d.entropy, {"counts": [3, 2, 1]}, {
+            "counts": [None, [], [-1], [NAN], [0, 0], "x"], "estimator": WRONG_NAMES}
+        yield (d.directed_information, {"x": [0, 1] * 20, "y": [1, 0] * 20},
+               {"x": WRONG_LABELS[:1] + [[0] * 3, [0.5] * 40, "x"], "memory": [-1, 17, 0.5, None],
+                "estimator": WRONG_NAMES + ["james-stein"]})
+        t = infuse.study
+        yield t.estimate, {"key": "dcor", "x": self.x, "y": self.y}, {
+            "key": WRONG_NAMES, "x": WRONG_SAMPLES, "y": WRONG_SAMPLES}
+        yield t.distance_correlation, {"x": self.x, "y": self.y}, {"x": WRONG_SAMPLES, "y": WRONG_SAMPLES}
+        yield (t.place_information, {"place": self.sweeps[0], "query": self.sweeps[1]},
+               {"place": [None, 3, self.points], "query": [None, "x"], "T_vehicle_lidar": WRONG_POSES,
+                "yaw": [NAN, "x", None]})
+        words = np.random.default_rng(1).normal(size=(5, 4))
+        yield t.quantise, {"features": words, "words": words}, {
+            "features": [None, [], np.zeros((3, 5)), np.full((2, 4), NAN)], "words": [None, [], np.zeros((3, 5))]}
         yield (m.Trajectory, {"stamps_ns": stamps, "poses": poses},
                {"stamps_ns": [[], [0], [1, 0], [0, 0], [0.5, 1], None, "xy"],
                 "poses": [np.eye(4), np.zeros((2, 4, 4)), poses[:1], None, np.full((2, 4, 4), NAN)],
@@ -155,6 +170,9 @@ class WrongCalls(unittest.TestCase):
         yield infuse.Decoder, {"model": "VLP-16"}, {"model": WRONG_NAMES, "calibration": ["/nowhere"]}
         yield infuse.Decoder("VLP-16").push, {"payload": b"x" * 1206, "stamp_ns": 0}, {
             "payload": [None, "text", 3], "stamp_ns": ["x", 10**30, 0.5], "port": [-1, 70000]}
+        yield infuse.results.read, {"name": "decode", "text": '{"sweeps": 1, "returns": 2, "not_deskewed": 0}'}, {
+            "name": WRONG_NAMES, "text": [None, 3, "", "{}", "[]", b"\xff", '{"sweeps": NaN}']}
+        yield infuse.results.run, None, {"command": WRONG_NAMES}
         yield infuse.open, {"path": self.folder.name + "/capture.pcap"}, {
             "path": [None, "/nowhere", os.path.dirname(__file__), __file__, "", "\0"], "model": ["HDL-33", 3]}
 
@@ -227,6 +245,7 @@ class WrongCalls(unittest.TestCase):
         cloud = infuse.registration.prepare(points)
         x = np.random.default_rng(1).uniform(0, 1, 20000).astype(np.float32)
         histogram = infuse.dependence.Histogram(x)
+        labels = np.random.default_rng(2).integers(0, 8, 20000)
         camera = infuse.Intrinsics(640, 480, 400, 400, 320, 240)
         with open(self.folder.name + "/capture.pcap", "rb") as file:
             data = file.read()
@@ -235,6 +254,10 @@ class WrongCalls(unittest.TestCase):
             infuse.registration.align(cloud, other, max_iterations=3)
             histogram.value_and_gradient(x)
             infuse.calibration.project(points, camera, np.eye(4))
+            infuse.dependence.directed_information(labels, labels[::-1])
+            infuse.study.estimate("mi-spline-window", x, x)
+            infuse.study.quantise(points, points[:50])
+            infuse.results.read("decode", b'{"sweeps": 1, "returns": 2, "not_deskewed": 0}')
             sweep = infuse.Sweep(points)
             sum(len(getattr(sweep, name)) for name in ("x", "ring", "points"))
             next(infuse.decode(data, "HDL-32E"))

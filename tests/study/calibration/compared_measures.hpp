@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 
 #include "fusion/calibration/named_measures.hpp"
 
@@ -10,7 +11,8 @@ namespace infuse::study {
 /// not offer them: on simulated drives their results were wrong, at times with a small uncertainty.
 std::span<const calibration::NamedMeasure> compared_measures();
 
-/// Returns the measure of that name, of these or of `calibration::named_measures`; it must exist.
-const calibration::NamedMeasure& find_any_measure(const char* name);
+/// Returns the measure of that name, of these or of `calibration::named_measures`; null if there is
+/// none.
+const calibration::NamedMeasure* find_any_measure(const std::string& name);
 
 }  // namespace infuse::study

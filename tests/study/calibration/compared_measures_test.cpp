@@ -12,11 +12,12 @@ using calibration::LidarFeature;
 
 TEST(ComparedMeasures, AreAllValidAndFoundByName) {
   for (const calibration::NamedMeasure& measure : compared_measures()) {
-    EXPECT_EQ(&find_any_measure(measure.name), &measure);
+    EXPECT_EQ(find_any_measure(measure.name), &measure);
     EXPECT_EQ(calibration::find_measure(measure.name), nullptr);
     for (const auto& term : measure.terms) EXPECT_FALSE(term.invalid()) << measure.name;
   }
-  EXPECT_STREQ(find_any_measure("joint").name, "joint");
+  EXPECT_STREQ(find_any_measure("joint")->name, "joint");
+  EXPECT_EQ(find_any_measure("telepathy"), nullptr);
 }
 
 TEST(LevinsonThrun, IsTheMeanProductOfEdges) {
@@ -25,7 +26,7 @@ TEST(LevinsonThrun, IsTheMeanProductOfEdges) {
   points.x = points.y = points.z = {1, 1, 1, 1};
   points.lidar[index(LidarFeature::kDiscontinuity)] = {1, 2, kNone, 3};
   const auto term =
-      calibration::make_term(find_any_measure("levinson-thrun").terms.front(), points);
+      calibration::make_term(find_any_measure("levinson-thrun")->terms.front(), points);
   std::vector<float> gradient(4);
   const auto estimate = term->evaluate(std::vector<float>{0.5F, 0.25F, 1, kNone}, gradient);
   EXPECT_DOUBLE_EQ(estimate.value, 0.25);
