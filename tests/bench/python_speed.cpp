@@ -41,15 +41,22 @@ size_t decode(std::span<const uint8_t> bytes) {
   options.model = *makers::require_model("HDL-32E", "model");
   const auto decoder = *lidar::make_decoder(options);
   auto reader = *recording::PcapReader::from_bytes(bytes, "bytes");
-  static Sweep sweep;  // as a program keeps it
+  // The sweep before is kept while the next is decoded, as a loop in Python keeps it.
+  static Sweep sweep, before;
   size_t returns = 0;
+  const auto pull = [&] {
+    while (decoder->pull(sweep)) {
+      returns += sweep.size();
+      std::swap(sweep, before);
+    }
+  };
   Datagram datagram;
   while (reader.next(datagram)) {
     decoder->push(datagram);
-    while (decoder->pull(sweep)) returns += sweep.size();
+    pull();
   }
   decoder->finish();
-  while (decoder->pull(sweep)) returns += sweep.size();
+  pull();
   return returns;
 }
 
