@@ -29,16 +29,15 @@ constexpr Intrinsic kIntrinsics[] = {{"focal length", "%", 100, 0.3},
                                      {"principal point cy", "px", 1, 3},
                                      {"radial distortion k1", "", 1, 0.01}};
 constexpr double kTimeTolerance = 5;  // ms
-// The maximum of the dependence lies beside the truth, mostly across the rings: a ring meets an
-// object below its upper edge. Half a pixel on drawn rigs, as if the principal point were so far
-// off.
-constexpr double kFeatureBias = 0.5;  // px
 
 /// A further parameter: the scenes' gradients by it, and its information with the pose's and alone.
 struct ParameterScore {
   std::vector<double> scene_scores;
   Vector6 pose_coupling = Vector6::Zero();
   double information = 0;
+  // Information with the measure's own displacements; empty: they move the pose of all scenes
+  // alike, which is no sign of the parameter.
+  Eigen::RowVectorXd bias;
 };
 
 /// Information of all scenes about the pose.
@@ -53,13 +52,15 @@ PoseInformation pose_information(const Uncertainty& uncertainty) {
   return {inverse, (inverse * uncertainty.curvature).trace() / 6};
 }
 
-/// Estimated error of a further parameter and its standard deviation from the scenes' spread.
+/// Estimated error of a further parameter and its standard deviation, from the scenes' spread and
+/// the measure's own bias.
 struct ScoredError {
   double value = 0, sigma = 0;
 };
 
 ScoredError estimate_error(const ParameterScore& further, const Vector6& weight,
-                           double remaining_curvature, const Uncertainty& uncertainty) {
+                           double remaining_curvature, double bias_sigma,
+                           const Uncertainty& uncertainty) {
   std::vector<double> scores;
   double sum = 0;
   for (size_t s = 0; s < uncertainty.scene_gradients.size(); ++s) {
@@ -72,8 +73,17 @@ ScoredError estimate_error(const ParameterScore& further, const Vector6& weight,
   double squares = 0;
   for (const double score : scores) squares += (score - sum / n) * (score - sum / n);
   // Scenes that are alike have like scores.
-  const double sigma = std::sqrt(uncertainty.design_effect * n / (n - 7) * squares);
-  return {sum / remaining_curvature, sigma / remaining_curvature};
+  const double scatter = std::sqrt(uncertainty.design_effect * n / (n - 7) * squares);
+  return {sum / remaining_curvature, std::hypot(scatter / remaining_curvature, bias_sigma)};
+}
+
+/// Standard deviation of a parameter's estimate by the measure's own bias.
+double sigma_by_bias(const ParameterScore& further, const Vector6& weight, double remaining,
+                     const Uncertainty& uncertainty) {
+  if (further.bias.size() == 0) return 0;
+  const Eigen::RowVectorXd left =
+      further.bias - weight.transpose() * uncertainty.bias_information.topRows<6>();
+  return kBiasSigma * left.norm() / remaining;
 }
 
 ParameterScore score_intrinsic(std::span<const Scene> scenes, size_t camera, size_t which,
@@ -87,6 +97,10 @@ ParameterScore score_intrinsic(std::span<const Scene> scenes, size_t camera, siz
     out.pose_coupling += uncertainty.scene_information[s].col(row).head<6>();
     out.information += uncertainty.scene_information[s](row, row);
   }
+  const Eigen::Index columns = 2 * kDepthBands;
+  const auto first = static_cast<Eigen::Index>(camera) * columns;
+  out.bias = Eigen::RowVectorXd::Zero(uncertainty.bias_information.cols());
+  out.bias.segment(first, columns) = uncertainty.bias_information.row(row).segment(first, columns);
   return out;
 }
 
@@ -134,8 +148,8 @@ std::vector<ParameterCheck> check_model(const Eigen::Isometry3d& T_refcam_lidar,
   std::vector<ParameterCheck> checks;
   if (!uncertainty.usable()) return checks;
   const bool enough = uncertainty.effective_scenes >= kMinScenesOfModel;
-  const double centre_sigma = std::hypot(known.principal_point_sigma, kFeatureBias);
-  const double known_sigmas[] = {known.focal_sigma, centre_sigma, centre_sigma, known.radial_sigma};
+  const double known_sigmas[] = {known.focal_sigma, known.principal_point_sigma,
+                                 known.principal_point_sigma, known.radial_sigma};
   const PoseInformation pose = pose_information(uncertainty);
   const auto add = [&](const ParameterScore& further, ParameterCheck check, double display_scale,
                        double tolerance, double known_sigma) {
@@ -146,7 +160,8 @@ std::vector<ParameterCheck> check_model(const Eigen::Isometry3d& T_refcam_lidar,
     check.known_sigma = display_scale * known_sigma;
     check.tolerance = tolerance;
     if (enough && remaining > kMinRemainingInformation * further.information) {
-      const ScoredError error = estimate_error(further, weight, curvature, uncertainty);
+      const double by_bias = sigma_by_bias(further, weight, remaining, uncertainty);
+      const ScoredError error = estimate_error(further, weight, curvature, by_bias, uncertainty);
       check.value = display_scale * error.value;
       check.sigma = display_scale * error.sigma;
       check.significance = check.value / std::hypot(check.sigma, check.known_sigma);

@@ -26,16 +26,15 @@ struct KnownParameters {
 
 /// Parameter that was assumed to be known, and its error as the scenes indicate it.
 struct ParameterCheck {
-  std::string parameter;    ///< "focal length of camera 0", …
-  const char* unit = "";    ///< of `value`
-  double value = 0;         ///< estimated error; 0 where the scenes do not determine it
-  double sigma = 0;         ///< standard deviation of `value`, from the spread of the scenes
+  std::string parameter;  ///< "focal length of camera 0", …
+  const char* unit = "";  ///< of `value`
+  double value = 0;       ///< estimated error; 0 where the scenes do not determine it
+  /// Standard deviation of `value`, from the spread of the scenes and the bias of the measure.
+  double sigma = 0;
   double significance = 0;  ///< `value` in standard deviations, `sigma` and `known_sigma` together
   /// Change of the result (left perturbation of T_refcam_lidar, rad and m) per unit of error.
   geometry::Vector6 pose_sensitivity = geometry::Vector6::Zero();
-  /// Standard deviation to which it is known, in `unit`; of the principal point with half a pixel
-  /// by which the maximum of the dependence lies beside the truth.
-  double known_sigma = 0;
+  double known_sigma = 0;  ///< standard deviation to which it is known, in `unit`
   /// Standard deviation beyond `known_sigma` that the scenes do not exclude (`unseen_errors`).
   double unseen_sigma = 0;
   /// Error of it, in `unit`, that `detect_gross_error` shows in at least half of the cases (50 to

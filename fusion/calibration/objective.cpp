@@ -98,6 +98,22 @@ geometry::PointsView block_points(const VisiblePoints& points, const VisiblePoin
   return {cut(points.x), cut(points.y), cut(points.z)};
 }
 
+/// A perturbation of T_camera_lidar by one of T_refcam_lidar; the camera's model is its own.
+SceneInformation pose_adjoint(const RigCamera& camera) {
+  SceneInformation adjoint = SceneInformation::Identity();
+  adjoint.topLeftCorner<6, 6>() = geometry::adjoint(camera.T_camera_refcam);
+  return adjoint;
+}
+
+constexpr float kNearestBand = 8;  // m; further ones are twice as deep each
+
+/// Band of depths in which a point lies.
+size_t depth_band(float depth) {
+  size_t band = 0;
+  for (float limit = kNearestBand; depth > limit && band + 1 < kDepthBands; limit *= 2) ++band;
+  return band;
+}
+
 }  // namespace
 
 SceneInformation total_information(std::span<const SceneInformation> scenes) {
@@ -294,29 +310,55 @@ double Objective::median_range() const {
   return median(ranges);
 }
 
+template <class Use>
+void Objective::visit_scores(const VisiblePoints::Block& block,
+                             const Eigen::Isometry3d& T_refcam_lidar, const Use& use) const {
+  const RigCamera& camera = cameras_[scenes_[block.scene].camera];
+  const Eigen::Isometry3d T = camera.T_camera_refcam * T_refcam_lidar;
+  for (size_t i = block.begin; i < block.end; ++i) {
+    const Eigen::Vector2d by_pixel(by_u_[i], by_v_[i]);
+    if (by_pixel.isZero(0)) continue;
+    const Eigen::Vector3d p = T * Eigen::Vector3d(points_.x[i], points_.y[i], points_.z[i]);
+    const auto at = camera.model.project_with_derivatives(p);
+    if (!at) continue;
+    SceneGradient score;
+    score << at->by_pose.transpose() * by_pixel,
+        pixel_by_camera(camera.model.intrinsics(), i, p).transpose() * by_pixel;
+    use(i, score);
+  }
+}
+
 std::vector<SceneInformation> Objective::scene_information(
     const Eigen::Isometry3d& T_refcam_lidar) {
   std::vector<SceneInformation> all(scenes_.size(), SceneInformation::Zero());
   differentiate_pixels(T_refcam_lidar, true, true);
   for (const VisiblePoints::Block& block : points_.blocks) {
-    const RigCamera& camera = cameras_[scenes_[block.scene].camera];
-    const Eigen::Isometry3d T = camera.T_camera_refcam * T_refcam_lidar;
     SceneInformation part = SceneInformation::Zero();
-    for (size_t i = block.begin; i < block.end; ++i) {
-      const Eigen::Vector2d by_pixel(by_u_[i], by_v_[i]);
-      if (by_pixel.isZero(0)) continue;
-      const Eigen::Vector3d p = T * Eigen::Vector3d(points_.x[i], points_.y[i], points_.z[i]);
-      const auto at = camera.model.project_with_derivatives(p);
-      if (!at) continue;
-      SceneGradient score;
-      score << at->by_pose.transpose() * by_pixel,
-          pixel_by_camera(camera.model.intrinsics(), i, p).transpose() * by_pixel;
+    visit_scores(block, T_refcam_lidar, [&](size_t, const SceneGradient& score) {
       part.selfadjointView<Eigen::Lower>().rankUpdate(score);
-    }
-    SceneInformation adjoint = SceneInformation::Identity();
-    adjoint.topLeftCorner<6, 6>() = geometry::adjoint(camera.T_camera_refcam);
+    });
+    const SceneInformation adjoint = pose_adjoint(cameras_[scenes_[block.scene].camera]);
     all[block.scene] +=
         adjoint.transpose() * part.selfadjointView<Eigen::Lower>().toDenseMatrix() * adjoint;
+  }
+  return all;
+}
+
+BiasInformation Objective::bias_information(const Eigen::Isometry3d& T_refcam_lidar) {
+  const auto columns = static_cast<Eigen::Index>(2 * kDepthBands);
+  BiasInformation all =
+      BiasInformation::Zero(10, columns * static_cast<Eigen::Index>(cameras_.size()));
+  differentiate_pixels(T_refcam_lidar, true, true);
+  for (const VisiblePoints::Block& block : points_.blocks) {
+    const size_t camera = scenes_[block.scene].camera;
+    BiasInformation part = BiasInformation::Zero(10, columns);
+    visit_scores(block, T_refcam_lidar, [&](size_t i, const SceneGradient& score) {
+      const auto column = static_cast<Eigen::Index>(2 * depth_band(depth_[i]));
+      part.col(column) += static_cast<double>(by_u_[i]) * score;
+      part.col(column + 1) += static_cast<double>(by_v_[i]) * score;
+    });
+    all.middleCols(static_cast<Eigen::Index>(camera) * columns, columns) +=
+        pose_adjoint(cameras_[camera]).transpose() * part;
   }
   return all;
 }

@@ -54,6 +54,13 @@ using SceneGradient = Eigen::Matrix<double, 10, 1>;
 /// Information about the same ten parameters.
 using SceneInformation = Eigen::Matrix<double, 10, 10>;
 
+/// Number of bands of depth with a displacement each: below 8 m, to 16 m, to 32 m, and beyond.
+/// Octaves, since a shift of the camera moves pixels by the inverse of the depth.
+inline constexpr size_t kDepthBands = 4;
+
+/// Information between the ten parameters and displacements of pixels, one column each.
+using BiasInformation = Eigen::Matrix<double, 10, Eigen::Dynamic>;
+
 /// Returns the information of all scenes together.
 SceneInformation total_information(std::span<const SceneInformation> scenes);
 
@@ -98,6 +105,12 @@ class Objective {
   /// gradient.
   std::vector<SceneInformation> scene_information(const Eigen::Isometry3d& T_refcam_lidar);
 
+  /// Returns the same information between the ten parameters and displacements of the pixels of all
+  /// scenes alike, 1/px: for each camera and band of depths (`kDepthBands`) across and down, one
+  /// column each. Camera after camera, the nearest band first. A displacement δ moves the maximum
+  /// by −I⁻¹ b δ, I the information of all scenes and b its column.
+  BiasInformation bias_information(const Eigen::Isometry3d& T_refcam_lidar);
+
   size_t point_count() const { return points_.size(); }
   /// Median range of the points, m: a rotation by one radian moves them by about so much.
   double median_range() const;
@@ -120,6 +133,11 @@ class Objective {
   /// Derivatives of the pixel of point `i`, at `p` in the camera, by the camera's model.
   Eigen::Matrix<double, 2, 4> pixel_by_camera(const CameraIntrinsics& camera, size_t i,
                                               const Eigen::Vector3d& p) const;
+  /// Calls use(point, score) for the points of a block that have one: the derivative of the point's
+  /// part by the ten parameters, of a left perturbation of the camera's own T_camera_lidar.
+  template <class Use>
+  void visit_scores(const VisiblePoints::Block& block, const Eigen::Isometry3d& T_refcam_lidar,
+                    const Use& use) const;
   Eigen::Vector4d camera_gradient(const VisiblePoints::Block& block,
                                   const Eigen::Isometry3d& T_refcam_lidar) const;
 

@@ -205,9 +205,13 @@ Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& 
   }
   out.reason = found.reason;
   if (!out.usable()) return out;
-  out.covariance = found.covariance;
-
   out.cramer_rao_bound = information_of_points.inverse();
+  out.bias_information = objective.bias_information(T_refcam_lidar);
+  const Eigen::Matrix<double, 6, Eigen::Dynamic> moved_by =
+      kBiasSigma * out.cramer_rao_bound * out.bias_information.topRows<6>();
+  out.bias_covariance = moved_by * moved_by.transpose();
+  out.covariance = found.covariance + out.bias_covariance;
+
   const Vector6 unit = sigma_limits();
   const Matrix6 scaled =
       unit.cwiseInverse().asDiagonal() * out.covariance * unit.cwiseInverse().asDiagonal();

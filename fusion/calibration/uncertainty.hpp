@@ -11,8 +11,14 @@ namespace infuse::calibration {
 /// Uncertainty of a calibration. Covariances are ordered (rx, ry, rz, tx, ty, tz), rad and m, of
 /// a left perturbation of T_refcam_lidar.
 struct Uncertainty {
-  /// From the spread of the scenes; positive definite where `usable()`.
+  /// Of estimates with these cameras' models from other scenes of another drive: from the spread of
+  /// the scenes, and `bias_covariance`; positive definite where `usable()`.
   geometry::Matrix6 covariance = geometry::Matrix6::Identity();
+  /// The part that all scenes of a drive share: the measure's own bias. What scenes show of places
+  /// of one kind (parked cars at one side, upper edges without lower ones) displaces the maximum of
+  /// each drive by another amount, which their scatter does not show: by `kBiasSigma` in each band
+  /// of depths, across and down, so Σ σ² (I⁻¹ b) (I⁻¹ b)ᵀ (`Objective::bias_information`).
+  geometry::Matrix6 bias_covariance = geometry::Matrix6::Zero();
   double effective_scenes = 0;  ///< number of independent scenes that tell as much (with points)
   double design_effect = 1;     ///< `design_effect` of these scenes
   geometry::Matrix6 curvature = geometry::Matrix6::Zero();  ///< −∂²value/∂ξ², in the measure's unit
@@ -23,6 +29,7 @@ struct Uncertainty {
       scene_influence;  ///< standard deviations by which each scene alone would move the result
   std::vector<SceneGradient> scene_gradients;       ///< Objective::scene_gradients at the result
   std::vector<SceneInformation> scene_information;  ///< Objective::scene_information at the result
+  BiasInformation bias_information;                 ///< Objective::bias_information at the result
   std::string reason;  ///< why it is unknown: a direction that nothing determines; or empty
 
   bool usable() const { return reason.empty(); }
@@ -30,6 +37,12 @@ struct Uncertainty {
 
 /// Minimum of `Uncertainty::effective_scenes` of a usable result.
 inline constexpr double kMinEffectiveScenes = 3;
+
+/// Standard deviation of the displacement of pixels in a band of depths by which the maximum of the
+/// dependence lies beside the truth, px. A ring meets an object below its upper edge, and a return
+/// lies up to one step of azimuth inside an object's side. Half a pixel on drawn rigs and on real
+/// drives (decision 18).
+inline constexpr double kBiasSigma = 0.5;
 
 /// Number of scenes that count as much as the curvature's shape, in the covariance.
 inline constexpr double kShrinkageScenes = 20;
@@ -57,7 +70,7 @@ geometry::Matrix6 pose_curvature(Objective& objective, const Eigen::Isometry3d& 
 /// takes its scale k from Ĵ (quasi-likelihood; Wedderburn 1974), with λ = 20 / (20 + E − 1). c
 /// widens the covariance as few scenes require: it is the ratio of the 95 % quantiles of 6 F(6, 2(E
 /// − 1)) and χ²(6), two degrees of freedom for each scene, as J has more from the shrinkage than
-/// Hotelling's T² allows.
+/// Hotelling's T² allows. To this the bias of the measure is added (`bias_covariance`).
 ///
 /// `similarity` has one row a scene (`scene_similarity`); empty: all are independent. Not usable
 /// with fewer than 3 effective scenes, or, with the direction named, if H is not positive along a

@@ -17,10 +17,6 @@ namespace {
 using calibration::kCancelled;
 using calibration::LidarFeature;
 
-/// Bias of the measure that no number of scenes of one drive reduces; added to the covariance.
-constexpr double kMinRotationSigma = 0.3e-3;    // rad
-constexpr double kMinTranslationSigma = 0.003;  // m
-
 /// Difference between halves of the scenes because they show different things.
 constexpr double kHalfBiasRotation = 1e-3;     // rad
 constexpr double kHalfBiasTranslation = 0.01;  // m
@@ -100,15 +96,6 @@ std::vector<calibration::Scene> prepare(std::span<const StoredScene* const> stor
   return scenes;
 }
 
-/// Covariance of the result between estimates with one camera's intrinsics: what is not known of
-/// these moves all of them alike.
-geometry::Matrix6 covariance_of(const calibration::Uncertainty& uncertainty) {
-  geometry::Vector6 min_sigma;
-  min_sigma << Eigen::Vector3d::Constant(kMinRotationSigma),
-      Eigen::Vector3d::Constant(kMinTranslationSigma);
-  return uncertainty.covariance + geometry::Matrix6(min_sigma.cwiseAbs2().asDiagonal());
-}
-
 double mahalanobis(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b,
                    const geometry::Matrix6& covariance) {
   const geometry::Vector6 apart = geometry::log(a * b.inverse());
@@ -157,7 +144,8 @@ Reestimate reestimate(std::span<const StoredScene* const> scenes, const CameraIn
   out.support = result.support;
   if (!out.usable()) return out;
   out.T_camera_lidar = result.T_refcam_lidar;
-  out.covariance = covariance_of(result.uncertainty);
+  // What is not known of the intrinsics moves all estimates with them alike.
+  out.covariance = result.uncertainty.covariance;
   out.moved = mahalanobis(out.T_camera_lidar, current, out.covariance);
   if (scenes.size() >= 8) {
     // Each half has twice the variance of the whole, and their difference four times.

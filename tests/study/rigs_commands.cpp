@@ -8,8 +8,10 @@
 #include "tests/study/study_commands.hpp"
 #ifdef INFUSE_SIMULATOR
 #include "tests/study/rigs/compare_study.hpp"
+#include "tests/study/rigs/drives_study.hpp"
 #include "tests/study/rigs/far_study.hpp"
 #include "tests/study/rigs/offset_study.hpp"
+#include "tests/study/rigs/recorded_study.hpp"
 #include "tests/study/rigs/refine_study.hpp"
 #include "tests/study/rigs/rig_study.hpp"
 #endif
@@ -21,6 +23,8 @@ struct RigsArguments {
   uint64_t seed = 20'000;  // no other study draws from there
   int count = 20;
   int scenes = 40;
+  double seconds = 40;
+  bool quick = false;
   bool cells = false, any_heading = false, details = false;
   std::string output = "rigs.csv";
 };
@@ -60,6 +64,43 @@ int study_rigs([[maybe_unused]] const RigsArguments& arguments) {
     rows << std::flush;
   }
   write_summary(std::cout, all);
+  return 0;
+#else
+  std::cerr << "infuse-study: built without the simulator\n";
+  return 3;
+#endif
+}
+
+/// Rows go to the file, the summary to standard output. Rigs that the file has are not driven
+/// again.
+int study_drives([[maybe_unused]] RigsArguments arguments) {
+#ifdef INFUSE_SIMULATOR
+  if (arguments.quick) {
+    arguments.count = 2;
+    arguments.scenes = 8;
+  }
+  std::ifstream before(arguments.output);
+  std::vector<DrivesTrial> all = read_drives_rows(before);
+  std::ofstream rows(arguments.output, std::ios::app);
+  if (!rows) {
+    std::cerr << "infuse-study: cannot write " << arguments.output << '\n';
+    return 2;
+  }
+  rows << '\n';  // ends a row whose writing was interrupted
+  write_drives_header(rows);
+  for (uint64_t seed = arguments.seed;
+       seed < arguments.seed + static_cast<uint64_t>(arguments.count); ++seed) {
+    if (std::any_of(all.begin(), all.end(), [&](const DrivesTrial& t) { return t.seed == seed; })) {
+      continue;
+    }
+    const auto trial =
+        drive_twice(seed, {.scenes = arguments.scenes, .seconds = arguments.seconds});
+    if (!trial) continue;
+    write_drives_row(rows, *trial);
+    rows << std::flush;
+    all.push_back(*trial);
+  }
+  write_drives_summary(std::cout, all);
   return 0;
 #else
   std::cerr << "infuse-study: built without the simulator\n";
@@ -145,6 +186,20 @@ void add_offset_command(CLI::App& app) {
     }
   });
 }
+
+/// Adds the study of how far parts of a recorded drive, or two drives, agree.
+void add_recorded_command(CLI::App& app) {
+  static std::string drive, other;
+  CLI::App* command =
+      app.add_subcommand("recorded", "calibrate disjoint parts of a recorded drive, and another");
+  command->add_option("DRIVE", drive, "recorded drive")->required();
+  command->add_option("OTHER", other, "another drive of the rig");
+  command->callback([] {
+    if (const auto done = study_recorded(std::cout, drive, other); !done) {
+      throw std::runtime_error(done.error().message());
+    }
+  });
+}
 #endif
 
 }  // namespace
@@ -152,6 +207,7 @@ void add_offset_command(CLI::App& app) {
 void add_rigs_commands(CLI::App& app, int& status) {
 #ifdef INFUSE_SIMULATOR
   add_offset_command(app);
+  add_recorded_command(app);
 #endif
   static RigsArguments rigs;
   CLI::App* rigs_command = app.add_subcommand(
@@ -164,6 +220,18 @@ void add_rigs_commands(CLI::App& app, int& status) {
   rigs_command->add_option("-o,--output", rigs.output,
                            "rows of all trials; an interrupted study goes on from it (rigs.csv)");
   rigs_command->callback([&status] { status = study_rigs(rigs); });
+
+  static RigsArguments driven{.scenes = 24, .output = "drives.csv"};
+  CLI::App* drives_command = app.add_subcommand(
+      "drives", "drive rigs drawn at random twice, in other worlds, and compare the calibrations");
+  drives_command->add_option("--seed", driven.seed, "seed of the first rig (20000)");
+  drives_command->add_option("--count", driven.count, "number of rigs (20)");
+  drives_command->add_option("--scenes", driven.scenes, "number of scenes of each drive (24)");
+  drives_command->add_option("--seconds", driven.seconds, "duration of each drive (40)");
+  drives_command->add_flag("--quick", driven.quick, "two rigs of 8 scenes");
+  drives_command->add_option("-o,--output", driven.output,
+                             "rows of all rigs; an interrupted study goes on from it (drives.csv)");
+  drives_command->callback([&status] { status = study_drives(driven); });
 
   static RigsArguments compared;
   CLI::App* compare_command = app.add_subcommand(

@@ -25,8 +25,9 @@ void add_places_commands(CLI::App& app);
 /// Adds the study of starts from nothing on a street map; needs the simulator.
 void add_starts_command(CLI::App& app);
 
-/// Adds the commands that calibrate rigs drawn at random, and that of a recorded drive's stated
-/// extrinsics. Without the simulator the former fail with status 3, and the latter is missing.
+/// Adds the commands that calibrate rigs drawn at random, and those of a recorded drive: its stated
+/// extrinsics, its parts. Without the simulator the former fail with status 3, and the latter are
+/// missing.
 void add_rigs_commands(CLI::App& app, int& status);
 
 }  // namespace infuse::study

@@ -3,13 +3,18 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <array>
 
 #include "daemon/protocol/number_json.hpp"
 #include "drivers/measurement/angles.hpp"
+#include "fusion/calibration/covariance_parts.hpp"
 #include "fusion/geometry/extrinsic_error.hpp"
 
 namespace infuse::daemon {
 namespace {
+
+// As `sigma_text` orders them.
+constexpr std::array kSigmaAxes{"rx", "ry", "rz", "tx", "ty", "tz"};
 
 Json error_json(const geometry::ExtrinsicError& error) {
   Json axes = Json::array();
@@ -174,6 +179,26 @@ std::string pose_text(const CalibrationRun& run, const ScenePairs& pairs) {
   return text;
 }
 
+/// The causes of the covariance, that of `motion_uncertainty` apart.
+std::vector<calibration::CovariancePart> parts_of(const CalibrationRun& run) {
+  calibration::CalibrationResult result = run.result;
+  result.model_covariance -= run.motion.covariance;
+  std::vector<calibration::CovariancePart> parts = calibration::covariance_parts(result);
+  parts.push_back({"the vehicle's motion and uncertain times", run.motion.covariance});
+  return parts;
+}
+
+/// "rx the principal point cy (71 %), …".
+std::string largest_text(const CalibrationRun& run) {
+  std::string text;
+  const auto largest = calibration::largest_parts(parts_of(run));
+  for (size_t axis = 0; axis < largest.size(); ++axis) {
+    text += fmt::format("{}{} {} ({:.0f} %)", axis == 0 ? "" : ", ", kSigmaAxes[axis],
+                        largest[axis].name, 100 * largest[axis].share);
+  }
+  return text;
+}
+
 /// The standard deviations and their parts.
 std::string uncertainty_text(const CalibrationRun& run) {
   const calibration::CalibrationResult& result = run.result;
@@ -183,11 +208,15 @@ std::string uncertainty_text(const CalibrationRun& run) {
     text += "  standard deviation (rx ry rz, tx ty tz): " + sigma_text(result.covariance()) + "\n";
     text +=
         fmt::format("    of this by the scatter between scenes, which count as {:.1f}: {}\n",
-                    result.uncertainty.effective_scenes, sigma_text(result.uncertainty.covariance));
+                    result.uncertainty.effective_scenes,
+                    sigma_text(result.uncertainty.covariance - result.uncertainty.bias_covariance));
+    text += "    of this by the bias of the measure, which scenes of a drive share: " +
+            sigma_text(result.uncertainty.bias_covariance) + "\n";
     text += "    of this by intrinsics and times: " +
             sigma_text(result.model_covariance - run.motion.covariance) + "\n";
     text += "    of this from the vehicle's motion and uncertain times: " +
             sigma_text(run.motion.covariance) + "\n";
+    text += "    mostly: " + largest_text(run) + "\n";
   }
   if (result.split_half) {
     text += "    for comparison, from the difference between two halves of the scenes: " +
@@ -260,6 +289,12 @@ Json to_json(const CalibrationRun& run, const ScenePairs& pairs) {
   if (result.uncertainty.usable()) {
     json["covariance"] = rows_json(result.covariance());
     json["covariance_of_scenes"] = rows_json(result.uncertainty.covariance);
+    json["covariance_of_bias"] = rows_json(result.uncertainty.bias_covariance);
+    const auto largest = calibration::largest_parts(parts_of(run));
+    for (size_t axis = 0; axis < largest.size(); ++axis) {
+      json["largest_uncertainty"][kSigmaAxes[axis]] = {{"cause", largest[axis].name},
+                                                       {"share", rounded(largest[axis].share)}};
+    }
     json["covariance_of_motion"] = rows_json(run.motion.covariance);
     json["cramer_rao_bound"] = rows_json(result.uncertainty.cramer_rao_bound);
   }

@@ -58,10 +58,13 @@ TEST(Calibrate, TheCovarianceCoversTheError) {
   const Vector6 error = geometry::log(result.T_refcam_lidar * drive.T_camera_lidar.inverse());
   // The spread itself comes from 20 scenes: 99.9 % of Fisher's F with 6 and 14 degrees of freedom
   // lie below 7.44.
-  EXPECT_LT(error.dot(result.uncertainty.covariance.inverse() * error), 6 * 7.44);
+  const geometry::Matrix6 scatter =
+      result.uncertainty.covariance - result.uncertainty.bias_covariance;
+  EXPECT_LT(error.dot(scatter.inverse() * error), 6 * 7.44);
+  EXPECT_LT(std::sqrt(scatter.diagonal().head<3>().maxCoeff()), 0.05 * kDegree);
+  EXPECT_LT(std::sqrt(scatter.diagonal().tail<3>().maxCoeff()), 0.01);
   EXPECT_LT(std::sqrt(result.uncertainty.covariance.diagonal().head<3>().maxCoeff()),
-            0.05 * kDegree);
-  EXPECT_LT(std::sqrt(result.uncertainty.covariance.diagonal().tail<3>().maxCoeff()), 0.01);
+            0.2 * kDegree);
 }
 
 TEST(Calibrate, TheSameSeedGivesTheSameBytes) {

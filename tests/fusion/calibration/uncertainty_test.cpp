@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <cmath>
 #include <random>
 
 #include "drivers/measurement/angles.hpp"
@@ -97,7 +98,38 @@ TEST(Uncertainty, ScenesThatAreAlikeAddLittle) {
   for (int k = 0; k < 12; k += 2) similarity(k, k + 1) = similarity(k + 1, k) = 1;
   const Uncertainty alike = uncertainty_of(first_scenes(12), similarity);
   EXPECT_EQ(alike.effective_scenes, 6);
-  EXPECT_GT(alike.covariance.trace(), 1.5 * apart.covariance.trace());
+  const auto scatter = [](const Uncertainty& of) -> Matrix6 {
+    return of.covariance - of.bias_covariance;
+  };
+  EXPECT_GT(scatter(alike).trace(), 1.5 * scatter(apart).trace());
+}
+
+// A bias of all bands alike is another principal point: the pose follows it as it follows that.
+TEST(Uncertainty, ABiasOfAllBandsIsThatOfThePrincipalPoint) {
+  const Uncertainty found = uncertainty_of(first_scenes(12), {});
+  ASSERT_TRUE(found.usable()) << found.reason;
+  const SceneInformation all = total_information(found.scene_information);
+  ASSERT_EQ(found.bias_information.cols(), 8);
+  for (Eigen::Index across = 0; across < 2; ++across) {
+    SceneGradient sum = SceneGradient::Zero();
+    for (Eigen::Index k = across; k < 8; k += 2) sum += found.bias_information.col(k);
+    const SceneGradient centre = all.col(7 + across);
+    EXPECT_LT((sum - centre).norm(), 1e-6 * centre.norm());
+  }
+  // One pixel turns the camera by about 1 / f; half a pixel in some bands by less than half of it.
+  const double turned = std::sqrt(found.bias_covariance(1, 1));
+  EXPECT_GT(turned, 0.1 / 330);
+  EXPECT_LT(turned, 1 / 330.0);
+}
+
+TEST(Uncertainty, TheBiasDoesNotShrinkWithTheNumberOfScenes) {
+  const Uncertainty few = uncertainty_of(first_scenes(6), {});
+  const Uncertainty many = uncertainty_of(first_scenes(12), {});
+  for (Eigen::Index axis = 0; axis < 6; ++axis) {
+    const double ratio = many.bias_covariance(axis, axis) / few.bias_covariance(axis, axis);
+    EXPECT_GT(ratio, 0.5) << axis;
+    EXPECT_LT(ratio, 2) << axis;
+  }
 }
 
 // Contributions of weighted scenes, alike in groups: the scatter about their mean, times the

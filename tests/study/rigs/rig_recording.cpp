@@ -1,6 +1,7 @@
 #include "tests/study/rigs/rig_recording.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "fixtures/simulator/random_scenario.hpp"
 #include "fixtures/simulator/simulation.hpp"
@@ -51,6 +52,13 @@ RigScene render(simulator::Simulation& simulation, uint64_t turn) {
 
 Result<RigRecording> record_random_rig(uint64_t seed, const RigRecordingOptions& options) {
   simulator::Scenario scenario = simulator::draw_scenario({.duration = options.duration}, seed);
+  if (options.world) {
+    simulator::Scenario other =
+        simulator::draw_scenario({.duration = options.duration}, *options.world);
+    other.lidars = std::move(scenario.lidars);
+    other.cameras = std::move(scenario.cameras);
+    scenario = std::move(other);
+  }
   scenario.cameras[0].options.grey = true;
   scenario.cameras[0].options.contact_shadows = false;
   auto simulation = simulator::Simulation::create(scenario, 1);

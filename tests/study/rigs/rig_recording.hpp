@@ -34,6 +34,8 @@ struct RigRecordingOptions {
   int diverse = 20;
   int neighbours = 8;
   double duration = 40;  ///< s, over which the diverse ones are spread
+  /// Seed of the world, its light and the way; empty: that of the rig.
+  std::optional<uint64_t> world;
 };
 
 /// Renders the scenes of the rig that `seed` draws (`simulator::draw_scenario`), in memory.

@@ -57,19 +57,6 @@ void shift_time(std::vector<RigScene>& scenes, double seconds) {
   }
 }
 
-/// Errors of intrinsics and clock as a careful calibration leaves them: as the defaults assume.
-void draw_known_errors(CameraIntrinsics& camera, std::vector<RigScene>& scenes,
-                       std::mt19937_64& random) {
-  const calibration::KnownParameters known;
-  const double focal = std::exp(known.focal_sigma * draw_normal(random));
-  camera.fx *= focal;
-  camera.fy *= focal;
-  camera.cx += known.principal_point_sigma * draw_normal(random);
-  camera.cy += known.principal_point_sigma * draw_normal(random);
-  camera.distortion[0] += known.radial_sigma * draw_normal(random);
-  shift_time(scenes, to_seconds(known.time_sigma) * draw_normal(random));
-}
-
 void raise_centre(CameraIntrinsics& camera, std::vector<RigScene>&) {
   camera.cy += 0.024 * camera.width;
 }
@@ -214,7 +201,8 @@ RigTrial try_kind(const RigRecording& recording, const Kind& kind, uint64_t seed
   std::vector<RigScene> recorded = select_scenes(recording, kind, set);
   CameraIntrinsics stated = recording.camera;
   std::mt19937_64 random(seed + 1'000'000 * set.which);
-  draw_known_errors(stated, recorded, random);
+  draw_known_errors(stated, random);
+  draw_known_errors(recorded, random);
   if (kind.change != nullptr) kind.change(stated, recorded);
   Vector6 off;
   for (int k = 0; k < 6; ++k) {
@@ -244,6 +232,21 @@ RigTrial try_kind(const RigRecording& recording, const Kind& kind, uint64_t seed
 }
 
 }  // namespace
+
+void draw_known_errors(CameraIntrinsics& camera, std::mt19937_64& random) {
+  const calibration::KnownParameters known;
+  const double focal = std::exp(known.focal_sigma * draw_normal(random));
+  camera.fx *= focal;
+  camera.fy *= focal;
+  camera.cx += known.principal_point_sigma * draw_normal(random);
+  camera.cy += known.principal_point_sigma * draw_normal(random);
+  camera.distortion[0] += known.radial_sigma * draw_normal(random);
+}
+
+void draw_known_errors(std::vector<RigScene>& scenes, std::mt19937_64& random) {
+  const calibration::KnownParameters known;
+  shift_time(scenes, to_seconds(known.time_sigma) * draw_normal(random));
+}
 
 std::vector<Scene> make_scenes(const std::vector<RigScene>& recorded, const RigCamera& camera,
                                const Eigen::Isometry3d& initial) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <iosfwd>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,12 @@ struct RigTrial {
 /// Errors and stated uncertainty of a calibration; what was calibrated is left open.
 RigTrial judge(const calibration::CalibrationResult& result,
                const Eigen::Isometry3d& T_camera_lidar);
+
+/// Draws errors of intrinsics as a careful calibration leaves them: as the defaults assume.
+void draw_known_errors(CameraIntrinsics& camera, std::mt19937_64& random);
+
+/// Draws the error of the clock between images and sweeps: as the defaults assume.
+void draw_known_errors(std::vector<RigScene>& scenes, std::mt19937_64& random);
 
 /// Makes scenes with the features of the default measure; `initial` directs edges along the rings.
 std::vector<calibration::Scene> make_scenes(const std::vector<RigScene>& recorded,
