@@ -5,12 +5,10 @@
 #include <cmath>
 #include <random>
 
-#include "fusion/target/target_view.hpp"
-
 namespace infuse::target {
 namespace {
 
-using Points = std::vector<Eigen::Vector3d>;
+using Returns = std::vector<BoardReturn>;
 
 /// Minimum standard deviation of the returns as a fraction of the board's half size: that of
 /// returns on the middle half.
@@ -45,18 +43,18 @@ std::optional<Plane> plane_through(const Eigen::Vector3d& a, const Eigen::Vector
   return Plane{normal, normal.dot(a)};
 }
 
-Points select_inliers(const Points& points, const Plane& plane, double thickness) {
-  Points inliers;
-  for (const Eigen::Vector3d& point : points) {
-    if (plane.distance_to(point) <= thickness) inliers.push_back(point);
+Returns select_inliers(const Returns& returns, const Plane& plane, double thickness) {
+  Returns inliers;
+  for (const BoardReturn& seen : returns) {
+    if (plane.distance_to(seen.point) <= thickness) inliers.push_back(seen);
   }
   return inliers;
 }
 
-std::optional<Plane> ransac_plane(const Points& points, const Eigen::Vector3d& facing,
+std::optional<Plane> ransac_plane(const Returns& returns, const Eigen::Vector3d& facing,
                                   const BoardReturnsOptions& options) {
   std::mt19937_64 random(options.seed);
-  const auto draw = [&] { return points[random() % points.size()]; };
+  const auto draw = [&] { return returns[random() % returns.size()].point; };
   std::optional<Plane> best;
   size_t max_count = 0;
   for (int k = 0; k < options.ransac_iterations; ++k) {
@@ -64,8 +62,8 @@ std::optional<Plane> ransac_plane(const Points& points, const Eigen::Vector3d& f
     const auto plane = plane_through(drawn[0], drawn[1], drawn[2]);
     if (!plane || std::abs(plane->normal.dot(facing)) < std::cos(options.max_tilt)) continue;
     const auto count =
-        static_cast<size_t>(std::count_if(points.begin(), points.end(), [&](const auto& point) {
-          return plane->distance_to(point) <= options.thickness;
+        static_cast<size_t>(std::count_if(returns.begin(), returns.end(), [&](const auto& seen) {
+          return plane->distance_to(seen.point) <= options.thickness;
         }));
     if (count > max_count) {
       max_count = count;
@@ -86,24 +84,26 @@ std::optional<std::string> BoardReturnsOptions::invalid() const {
   return std::nullopt;
 }
 
-Points crop_to_board(const Sweep& sweep, const Eigen::Isometry3d& T_lidar_board, const Board& board,
-                     double margin) {
+Returns crop_to_board(const Sweep& sweep, const Eigen::Isometry3d& T_lidar_board,
+                      const Board& board, double margin) {
   const Eigen::Isometry3d T_board_lidar = T_lidar_board.inverse();
-  Points near;
+  Returns near;
   for (size_t i = 0; i < sweep.size(); ++i) {
     const Eigen::Vector3d point(sweep.x[i], sweep.y[i], sweep.z[i]);
-    if (in_box(T_board_lidar * point, board, margin, margin)) near.push_back(point);
+    if (in_box(T_board_lidar * point, board, margin, margin)) {
+      near.push_back({point, sweep.ring[i], double{sweep.reflectivity[i]}});
+    }
   }
   return near;
 }
 
-Result<Points> find_board_returns(std::span<const Eigen::Vector3d> all,
-                                  const Eigen::Isometry3d& T_lidar_board, const Board& board,
-                                  double grow, const BoardReturnsOptions& options) {
+Result<Returns> find_board_returns(std::span<const BoardReturn> all,
+                                   const Eigen::Isometry3d& T_lidar_board, const Board& board,
+                                   double grow, const BoardReturnsOptions& options) {
   const Eigen::Isometry3d T_board_lidar = T_lidar_board.inverse();
-  Points near;
-  for (const Eigen::Vector3d& point : all) {
-    if (in_box(T_board_lidar * point, board, grow, options.margin)) near.push_back(point);
+  Returns near;
+  for (const BoardReturn& seen : all) {
+    if (in_box(T_board_lidar * seen.point, board, grow, options.margin)) near.push_back(seen);
   }
   const auto min_returns = static_cast<size_t>(options.min_returns);
   if (near.size() < min_returns) {
@@ -113,7 +113,7 @@ Result<Points> find_board_returns(std::span<const Eigen::Vector3d> all,
   const Eigen::Vector3d facing = T_lidar_board.linear().col(2);
   const auto plane = ransac_plane(near, facing, options);
   if (!plane) return fail("no plane among the returns has the orientation of the board");
-  Points inliers = select_inliers(near, *plane, options.thickness);
+  Returns inliers = select_inliers(near, *plane, options.thickness);
   if (inliers.size() >= min_returns) {
     const ReturnsPlane best = fit_returns_plane(inliers);
     inliers = select_inliers(near, {best.normal, best.normal.dot(best.mean)}, options.thickness);

@@ -9,7 +9,7 @@
 
 #include "drivers/measurement/error.hpp"
 #include "drivers/measurement/sweep.hpp"
-#include "fusion/target/board.hpp"
+#include "fusion/target/target_view.hpp"
 
 namespace infuse::target {
 
@@ -27,17 +27,16 @@ struct BoardReturnsOptions {
   std::optional<std::string> invalid() const;
 };
 
-/// Returns of a sweep (m, lidar frame) within `margin` of the board placed by `T_lidar_board`.
-std::vector<Eigen::Vector3d> crop_to_board(const Sweep& sweep,
-                                           const Eigen::Isometry3d& T_lidar_board,
-                                           const Board& board, double margin);
+/// Returns of a sweep within `margin` of the board placed by `T_lidar_board`.
+std::vector<BoardReturn> crop_to_board(const Sweep& sweep, const Eigen::Isometry3d& T_lidar_board,
+                                       const Board& board, double margin);
 
 /// Finds the returns in `near` that lie on the board: within its outline grown by `grow` (m;
 /// negative: shrunk) and on a plane found by RANSAC (Fischler and Bolles 1981). Errors: too few
 /// returns, no plane with the orientation of the board.
-Result<std::vector<Eigen::Vector3d>> find_board_returns(std::span<const Eigen::Vector3d> near,
-                                                        const Eigen::Isometry3d& T_lidar_board,
-                                                        const Board& board, double grow,
-                                                        const BoardReturnsOptions& options);
+Result<std::vector<BoardReturn>> find_board_returns(std::span<const BoardReturn> near,
+                                                    const Eigen::Isometry3d& T_lidar_board,
+                                                    const Board& board, double grow,
+                                                    const BoardReturnsOptions& options);
 
 }  // namespace infuse::target

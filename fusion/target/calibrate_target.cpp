@@ -5,9 +5,8 @@
 namespace infuse::target {
 namespace {
 
-constexpr double kSecondPassMargin = 0.08;    // m, second pass
-constexpr double kLastPassMargin = -0.01;     // m, last pass
-constexpr double kEarlyPassTolerance = 0.15;  // m and rad; error caused by objects near a board
+constexpr double kSecondPassMargin = 0.08;  // m, second pass
+constexpr double kLastPassMargin = -0.01;   // m, last pass
 
 TargetCalibration run_pass(std::span<const BoardObservation> observations, const Board& board,
                            double grow, const Eigen::Isometry3d& T_refcam_lidar,
@@ -29,7 +28,7 @@ TargetCalibration run_pass(std::span<const BoardObservation> observations, const
     }
     out.return_counts[i] = on_board->size();
     views.push_back(
-        {observation.T_refcam_board, observation.board_covariance, *std::move(on_board)});
+        {observation.T_refcam_board, observation.board_covariance, *std::move(on_board), board});
     observation_index.push_back(i);
   }
   out.result = solve_target(views, T_refcam_lidar, solve_options);
@@ -46,11 +45,9 @@ TargetCalibration calibrate_target(std::span<const BoardObservation> observation
                                    const Board& board, const Eigen::Isometry3d& T_initial,
                                    const BoardReturnsOptions& returns_options,
                                    const SolveTargetOptions& solve_options) {
-  SolveTargetOptions early_options = solve_options;
-  early_options.inlier_tolerance = kEarlyPassTolerance;
   Eigen::Isometry3d T = T_initial;
   for (const double grow : {returns_options.margin, kSecondPassMargin}) {
-    T = run_pass(observations, board, grow, T, returns_options, early_options)
+    T = run_pass(observations, board, grow, T, returns_options, solve_options)
             .result.T_refcam_lidar;
   }
   return run_pass(observations, board, kLastPassMargin, T, returns_options, solve_options);

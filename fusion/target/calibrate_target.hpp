@@ -13,7 +13,7 @@ namespace infuse::target {
 struct BoardObservation {
   Eigen::Isometry3d T_refcam_board = Eigen::Isometry3d::Identity();
   geometry::Matrix6 board_covariance = geometry::Matrix6::Zero();  ///< as in TargetView
-  std::vector<Eigen::Vector3d> nearby_returns;  ///< from `crop_to_board`, m, lidar frame
+  std::vector<BoardReturn> nearby_returns;                         ///< from `crop_to_board`
 };
 
 /// Result of the target-based calibration, T_refcam_lidar.

@@ -1,175 +1,211 @@
 #include "fusion/target/solve_target.hpp"
 
-#include <ceres/ceres.h>
-
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 
-#include "fusion/geometry/plane_length.hpp"
+#include "drivers/measurement/angles.hpp"
+#include "drivers/measurement/median.hpp"
 #include "fusion/target/degeneracy.hpp"
-#include "fusion/target/pose_parameter.hpp"
 #include "fusion/target/view_consensus.hpp"
-#include "fusion/target/view_residuals.hpp"
 
 namespace infuse::target {
 namespace {
 
 using geometry::Matrix6;
+using geometry::Vector6;
 
-constexpr int kMaxRounds = 10;      // maximum number of outlier rejections
-constexpr double kCauchyScale = 4;  // standard deviations, scale of the Cauchy loss of the first
-                                    // round
-constexpr double kEpsilon = 1e-12;  // m²; lower bound of a residual's variance (1 µm)
+constexpr int kRobustRounds = 10;       // enough for the weights to settle
+constexpr int kRounds = 4;              // linearisations; the start is within a degree
+constexpr double kStudentFreedom = 4;   // of the boards' shifts in the robust start
+constexpr double kMadToSigma = 1.4826;  // of a Gaussian: 1 ÷ Φ⁻¹(¾)
+constexpr double kMinNoise = 1e-6;      // m; returns without noise
 
-/// Views, the points that represent their returns, and the inlier flags.
-struct ViewSet {
-  std::span<const TargetView> views;
-  std::vector<ReturnsPlane> planes;
-  std::vector<ViewResidual> residuals;
-  double range_noise;
-
-  std::vector<const TargetView*> used_views() const {
-    std::vector<const TargetView*> used;
-    for (size_t i = 0; i < views.size(); ++i) {
-      if (residuals[i].used) used.push_back(&views[i]);
-    }
-    return used;
-  }
-
-  Eigen::Matrix4d covariance(size_t i, const Eigen::Isometry3d& T) const {
-    return residual_covariance(views[i], planes[i], T, range_noise) +
-           kEpsilon * Eigen::Matrix4d::Identity();
-  }
-};
-
-/// Cost of one view in P(3.10), with whitened residuals W r, where Wᵀ W is the inverse of their
-/// covariance at the initial pose.
-class ViewCost : public ceres::SizedCostFunction<4, 6> {
+/// The views with their equations at one pose.
+class Solver {
  public:
-  ViewCost(const PoseParameter& pose, const TargetView& view, const ReturnsPlane& plane,
-           const Eigen::Matrix4d& covariance)
-      : pose_(pose),
-        view_(view),
-        plane_(plane),
-        whitening_(covariance.llt().matrixL().solve(Eigen::Matrix4d::Identity())) {}
-
-  bool Evaluate(const double* const* parameters, double* residuals,
-                double** jacobians) const override {
-    const LinearisedView view = linearise_view(view_, plane_, pose_.at(parameters[0]));
-    Eigen::Map<Eigen::Vector4d> out(residuals);
-    out = whitening_ * view.residuals;
-    if (jacobians != nullptr && jacobians[0] != nullptr) {
-      Eigen::Map<Eigen::Matrix<double, 4, 6, Eigen::RowMajor>> jacobian(jacobians[0]);
-      jacobian = whitening_ * PoseParameter::jacobian_by_xi(view.jacobian, parameters[0]);
-    }
-    return true;
+  Solver(std::span<const TargetView> views, const SolveTargetOptions& options)
+      : views_(views),
+        options_(options),
+        model_(views),
+        prior_(model_.prior_information(options.errors)),
+        biases_(Eigen::VectorXd::Zero(model_.size())),
+        equations_(views.size()),
+        used_(views.size(), true) {
+    for (const TargetView& view : views) corners_.push_back(TargetModel::shift_covariance(view));
   }
+
+  /// Robust estimate of the pose; marks the outliers.
+  void start(const Eigen::Isometry3d& T_initial);
+
+  /// Estimate from the views that are not outliers.
+  void solve();
+
+  /// Views that are not outliers.
+  std::vector<const TargetView*> used_views() const;
+
+  void write(TargetResult& result) const;
 
  private:
-  const PoseParameter& pose_;
-  const TargetView& view_;
-  const ReturnsPlane& plane_;
-  Eigen::Matrix4d whitening_;
+  void linearise();
+  void apply(const TargetSolution& solution);
+  void estimate_noise();
+  double distance_of(size_t i, const ShiftCovariance& misfit) const;
+  Misfit robust_misfit() const;
+
+  template <class T>
+  std::vector<T> of_used(const std::vector<T>& all) const {
+    std::vector<T> some;
+    for (size_t i = 0; i < all.size(); ++i) {
+      if (used_[i]) some.push_back(all[i]);
+    }
+    return some;
+  }
+
+  std::span<const TargetView> views_;
+  const SolveTargetOptions& options_;
+  TargetModel model_;
+  Eigen::MatrixXd prior_;
+  Eigen::Isometry3d T_ = Eigen::Isometry3d::Identity();
+  Eigen::VectorXd biases_;  // shared parameters; those of the pose are 0
+  std::vector<ViewEquations> equations_;
+  std::vector<ShiftCovariance> corners_;  // covariances of the boards' shifts by their corners
+  std::vector<BoardShift> shifts_;
+  std::vector<bool> used_;
+  double noise_ = kMinNoise;
+  Misfit misfit_;
+  TargetSolution solution_;
 };
 
-/// Minimises P(3.10) over the inlier views, with a Cauchy loss if `robust`.
-Eigen::Isometry3d minimise(const ViewSet& set, const Eigen::Isometry3d& T_initial, bool robust) {
-  const PoseParameter pose{T_initial};
-  geometry::Vector6 xi = geometry::Vector6::Zero();
-  ceres::Problem problem;
-  for (size_t i = 0; i < set.views.size(); ++i) {
-    if (!set.residuals[i].used) continue;
-    problem.AddResidualBlock(
-        new ViewCost(pose, set.views[i], set.planes[i], set.covariance(i, T_initial)),
-        robust ? new ceres::CauchyLoss(kCauchyScale) : nullptr, xi.data());
+void Solver::linearise() {
+  shifts_.clear();
+  for (size_t i = 0; i < views_.size(); ++i) {
+    equations_[i] = model_.linearise(i, T_);
+    shifts_.push_back(fit_shift(equations_[i], biases_));
   }
-  ceres::Solver::Options options;
-  options.trust_region_strategy_type = ceres::LEVENBERG_MARQUARDT;
-  options.linear_solver_type = ceres::DENSE_QR;
-  options.function_tolerance = 1e-12;
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  return summary.IsSolutionUsable() ? pose.at(xi.data()) : T_initial;
+  estimate_noise();
 }
 
-/// Covariance, P(3.12). F is weighted by the covariance of its residuals, which are linear in the
-/// measurements, so that the mixed derivatives and Σ_X together equal ∂²F/∂Θ² and one inverse of it
-/// remains.
-Matrix6 compute_covariance(const ViewSet& set, const Eigen::Isometry3d& T) {
-  Matrix6 information = Matrix6::Zero();
-  for (size_t i = 0; i < set.views.size(); ++i) {
-    if (!set.residuals[i].used) continue;
-    const auto J = linearise_view(set.views[i], set.planes[i], T).jacobian;
-    information += J.transpose() * set.covariance(i, T).inverse() * J;
-  }
-  const Matrix6 covariance = information.inverse();
-  return 0.5 * (covariance + covariance.transpose());
-}
-
-/// Computes the residuals of a view; an outlier view is compared with a solution made without it.
-void evaluate_view(const ViewSet& set, size_t i, const Eigen::Isometry3d& T,
-                   const Matrix6& solution_covariance, ViewResidual& out) {
-  const LinearisedView view = linearise_view(set.views[i], set.planes[i], T);
-  Eigen::Matrix4d covariance = set.covariance(i, T);
-  if (!out.used) covariance += view.jacobian * solution_covariance * view.jacobian.transpose();
-  out.offset = view.residuals.mean();
-  out.rms = geometry::plane_length(std::sqrt(view.residuals.squaredNorm() / 4), set.planes[i].rms);
-  const double along = set.views[i].normal().dot(T.linear() * set.planes[i].normal);
-  out.tilt = std::acos(std::min(1.0, std::abs(along)));
-  out.mahalanobis =
-      std::sqrt(std::max(0.0, view.residuals.dot(covariance.inverse() * view.residuals)));
-}
-
-/// Range standard deviation estimated from the distances of the returns to their own planes.
-double estimate_range_noise(const ViewSet& set) {
+void Solver::estimate_noise() {
   double squares = 0;
-  double slopes = kEpsilon;
-  for (size_t i = 0; i < set.views.size(); ++i) {
-    if (!set.residuals[i].used) continue;
-    const auto n = static_cast<double>(set.views[i].returns.size());
-    const double slope = set.planes[i].normal.dot(set.planes[i].mean.normalized());
-    squares += n * set.planes[i].rms * set.planes[i].rms;
-    slopes += (n - 3) * slope * slope;
+  double freedom = 0;
+  for (size_t i = 0; i < views_.size(); ++i) {
+    if (!used_[i]) continue;
+    squares += remaining_squares(equations_[i], biases_, shifts_[i]);
+    freedom += equations_[i].returns - 3;
   }
-  return std::sqrt(squares / slopes);
+  freedom -= static_cast<double>(model_.size() - TargetModel::kFirstBeam);
+  noise_ = std::max(kMinNoise, std::sqrt(std::max(0.0, squares) / std::max(1.0, freedom)));
 }
 
-/// Updates the set of outliers; returns true if it changed.
-bool update_outliers(ViewSet& set, const SolveTargetOptions& options) {
-  bool changed = false;
-  for (ViewResidual& view : set.residuals) {
-    const bool inlier = view.mahalanobis <= options.max_mahalanobis ||
-                        std::abs(view.offset) + view.tilt <= options.inlier_tolerance;
-    changed = changed || inlier != view.used;
-    view.used = inlier;
-  }
-  return changed;
+void Solver::apply(const TargetSolution& solution) {
+  biases_ = solution.shared;
+  T_ = geometry::exp(Vector6(biases_.head<6>())) * T_;
+  biases_.head<6>().setZero();
 }
 
-void summarise(const ViewSet& set, TargetResult& result) {
-  double squares = 0;
-  double returns = kEpsilon;
-  for (size_t i = 0; i < set.views.size(); ++i) {
-    if (!set.residuals[i].used) continue;
-    ++result.used;
-    const auto n = static_cast<double>(set.views[i].returns.size());
-    squares += n * set.residuals[i].rms * set.residuals[i].rms;
-    returns += n;
+double Solver::distance_of(size_t i, const ShiftCovariance& misfit) const {
+  const ShiftCovariance covariance =
+      corners_[i] + misfit + noise_ * noise_ * equations_[i].own.inverse();
+  return std::sqrt(std::max(0.0, shifts_[i].dot(covariance.inverse() * shifts_[i])));
+}
+
+Misfit Solver::robust_misfit() const {
+  std::vector<double> offsets, tilts;
+  for (const BoardShift& shift : shifts_) {
+    offsets.push_back(std::abs(shift(0)));
+    tilts.insert(tilts.end(), {std::abs(shift(1)), std::abs(shift(2))});
   }
-  result.rms = std::sqrt(squares / returns);
-  result.range_noise = set.range_noise;
-  result.views = set.residuals;
+  return {kMadToSigma * median(offsets), kMadToSigma * median(tilts)};
+}
+
+void Solver::start(const Eigen::Isometry3d& T_initial) {
+  T_ = T_initial;
+  std::vector<ShiftCovariance> covariances(views_.size());
+  for (int round = 0; round < kRobustRounds; ++round) {
+    linearise();
+    misfit_ = robust_misfit();
+    for (size_t i = 0; i < views_.size(); ++i) {
+      const double distance = distance_of(i, misfit_.covariance());
+      const double weight = (kStudentFreedom + 3) / (kStudentFreedom + distance * distance);
+      covariances[i] = (corners_[i] + misfit_.covariance()) / weight;
+    }
+    apply(solve_views(equations_, covariances, prior_, noise_));
+  }
+  linearise();
+  misfit_ = robust_misfit();
+  for (size_t i = 0; i < views_.size(); ++i) {
+    used_[i] = distance_of(i, misfit_.covariance()) <= options_.max_mahalanobis;
+  }
+}
+
+void Solver::solve() {
+  const auto corners = of_used(corners_);
+  for (int round = 0; round < kRounds; ++round) {
+    linearise();
+    const auto equations = of_used(equations_);
+    misfit_ = estimate_misfit(equations, corners, prior_, noise_);
+    auto covariances = corners;
+    for (ShiftCovariance& covariance : covariances) covariance += misfit_.covariance();
+    // What the model does not explain of single boards may as well be common to all of them.
+    Eigen::MatrixXd prior = prior_;
+    prior.diagonal().segment<3>(TargetModel::kShift) =
+        misfit_.covariance().diagonal().cwiseInverse();
+    solution_ = solve_views(equations, covariances, prior, noise_);
+    apply(solution_);
+  }
+  linearise();
+}
+
+std::vector<const TargetView*> Solver::used_views() const {
+  std::vector<const TargetView*> some;
+  for (size_t i = 0; i < views_.size(); ++i) {
+    if (used_[i]) some.push_back(&views_[i]);
+  }
+  return some;
+}
+
+void Solver::write(TargetResult& result) const {
+  result.T_refcam_lidar = T_;
+  result.range_noise = noise_;
+  result.misfit = misfit_;
+  for (size_t i = 0; i < views_.size(); ++i) {
+    const double squares = remaining_squares(equations_[i], biases_, shifts_[i]);
+    result.views[i] = {std::sqrt(std::max(0.0, squares) / std::max(1.0, equations_[i].returns)),
+                       shifts_[i](0), std::atan(shifts_[i].tail<2>().norm()),
+                       distance_of(i, misfit_.covariance()), used_[i]};
+    result.used += used_[i] ? 1 : 0;
+  }
+  if (solution_.shared.size() == 0) return;
+  const auto beams = biases_.tail(model_.size() - TargetModel::kFirstBeam);
+  result.beam_bias = std::sqrt(beams.squaredNorm() / static_cast<double>(beams.size()));
+  result.contrast_bias = biases_(TargetModel::kContrast);
+  result.leave_one_out = leave_one_out_ratio(solution_);
+  // A variance estimated with n degrees of freedom widens by n ÷ (n − 2): Student's t.
+  const double freedom = std::max(1.0, 3.0 * result.used - 6);
+  const double widening = freedom > 2 ? freedom / (freedom - 2) : 3;
+  result.covariance = widening * std::max(1.0, result.leave_one_out) * solution_.pose_covariance();
+}
+
+/// What neither corners nor returns explain may be common to all boards, and then it is the
+/// result's.
+std::string describe_misfit(const Misfit& misfit) {
+  std::array<char, 160> text{};
+  std::snprintf(text.data(), text.size(),
+                "the boards are off by %.1f mm and %.2f degrees more than corners and returns "
+                "explain; check intrinsics, board and that nothing moves",
+                1e3 * misfit.offset, misfit.tilt / kDegree);
+  return text.data();
 }
 
 }  // namespace
 
 std::optional<std::string> SolveTargetOptions::invalid() const {
-  if (!(range_noise > 0)) return "range_noise must be positive";
+  if (auto wrong = errors.invalid()) return wrong;
   if (!(max_mahalanobis > 0)) return "max_mahalanobis must be positive";
-  if (!(inlier_tolerance >= 0)) return "inlier_tolerance must not be negative";
+  if (!(max_rejected >= 0 && max_rejected <= 0.5)) return "max_rejected must lie in [0, 0.5]";
   if (!(max_rotation_sigma > 0) || !(max_translation_sigma > 0)) {
     return "max_rotation_sigma and max_translation_sigma must be positive";
   }
@@ -178,28 +214,26 @@ std::optional<std::string> SolveTargetOptions::invalid() const {
 
 TargetResult solve_target(std::span<const TargetView> views, const Eigen::Isometry3d& T_initial,
                           const SolveTargetOptions& options) {
-  TargetResult result{.T_refcam_lidar = T_initial};
-  ViewSet set{views, {}, std::vector<ViewResidual>(views.size()), options.range_noise};
-  for (const TargetView& view : views) set.planes.push_back(fit_returns_plane(view.returns));
-
-  Eigen::Isometry3d& T = result.T_refcam_lidar;
-  T = find_consensus_pose(views, set.planes, options.seed).value_or(T_initial);
-  for (int round = 0; round < kMaxRounds; ++round) {
-    result.reason = describe_degeneracy(set.used_views());
-    if (!result.reason.empty()) break;
-    set.range_noise = std::max(options.range_noise, estimate_range_noise(set));
-    T = minimise(set, T, round == 0);
-    result.covariance = compute_covariance(set, T);
-    for (size_t i = 0; i < views.size(); ++i) {
-      evaluate_view(set, i, T, result.covariance, set.residuals[i]);
-    }
-    if (!update_outliers(set, options) && round > 0) break;
-  }
-  summarise(set, result);
+  TargetResult result{.T_refcam_lidar = T_initial,
+                      .views = std::vector<ViewResidual>(views.size(), {.used = false})};
+  std::vector<ReturnsPlane> planes;
+  for (const TargetView& view : views) planes.push_back(fit_returns_plane(view.returns));
+  Solver solver(views, options);
+  result.reason = describe_degeneracy(solver.used_views());
   if (!result.reason.empty()) return result;
-  if (2 * result.used <= static_cast<int>(views.size())) {
-    result.reason = "most views are outliers: " + std::to_string(result.used) + " of " +
-                    std::to_string(views.size()) + " agree";
+  solver.start(find_consensus_pose(views, planes, options.seed).value_or(T_initial));
+  result.reason = describe_degeneracy(solver.used_views());
+  if (result.reason.empty()) solver.solve();
+  solver.write(result);
+  if (!result.reason.empty()) return result;
+  const auto total = static_cast<int>(views.size());
+  if (total - result.used > options.max_rejected * total) {
+    result.reason =
+        "too many boards do not agree with the others: " + std::to_string(total - result.used) +
+        " of " + std::to_string(total);
+  } else if (result.misfit.tilt > options.max_rotation_sigma ||
+             result.misfit.offset > options.max_translation_sigma) {
+    result.reason = describe_misfit(result.misfit);
   } else {
     result.reason = describe_uncertain_axis(result.covariance, options.max_rotation_sigma,
                                             options.max_translation_sigma);

@@ -6,19 +6,18 @@
 #include <string>
 #include <vector>
 
+#include "fusion/target/target_model.hpp"
+#include "fusion/target/target_solution.hpp"
 #include "fusion/target/target_view.hpp"
 
 namespace infuse::target {
 
 /// Settings of the target-based calibration.
 struct SolveTargetOptions {
-  double range_noise = 0.02;   ///< m along the beam, standard deviation (P 3.2.2); the value
-                               ///< estimated from the returns' distances to their planes is used if
-                               ///< it is larger
-  double max_mahalanobis = 5;  ///< standard deviations; views beyond are rejected: one in 10⁶ of a
+  SharedErrors errors;         ///< of all views
+  double max_mahalanobis = 5;  ///< standard deviations; boards beyond are rejected: one in 10⁶ of a
                                ///< Gaussian
-  double inlier_tolerance = 0.01;     ///< m of offset plus rad of tilt; views within are never
-                                      ///< rejected
+  double max_rejected = 0.25;         ///< maximum share of the boards; unusable beyond
   double max_rotation_sigma = 0.005;  ///< rad; maximum standard deviation of a determined direction
   double max_translation_sigma = 0.02;  ///< m; the same for translations
   uint64_t seed = 1;
@@ -29,9 +28,9 @@ struct SolveTargetOptions {
 
 /// Residuals of one view at the solution.
 struct ViewResidual {
-  double rms = 0;          ///< m, distance of the returns from the board
-  double offset = 0;       ///< m, mean of the same, along the normal of the board
-  double tilt = 0;         ///< rad, between the plane of the returns and the board
+  double rms = 0;          ///< m, distances of the returns from the shifted board, along the beam
+  double offset = 0;       ///< m, shift of the board's middle along its normal, by the returns
+  double tilt = 0;         ///< rad, tilt of the board by the returns
   double mahalanobis = 0;  ///< Mahalanobis distance of offset and tilts together
   bool used = true;        ///< false: outlier, not part of the solution
 };
@@ -43,21 +42,28 @@ struct TargetResult {
   geometry::Matrix6 covariance = geometry::Matrix6::Identity();
   std::vector<ViewResidual> views;  ///< one entry per view
   int used = 0;                     ///< number of inlier views
-  double rms = 0;                   ///< m, over the returns of the inlier views, P(3.10)
-  double range_noise = 0;           ///< m, as used
+  double range_noise = 0;           ///< m along the beam, of one return
+  Misfit misfit;                    ///< of the boards
+  double beam_bias = 0;             ///< m, root mean square of the beams' range biases, beside that
+                                    ///< of all
+  double contrast_bias = 0;         ///< m, range of the brightest minus that of the darkest returns
+  double leave_one_out = 0;         ///< `leave_one_out_ratio`; the covariance is widened by it if
+                                    ///< it is above 1
   std::string reason;               ///< why it is unusable; empty if usable
 
   bool usable() const { return reason.empty(); }
 };
 
-/// Estimates T_refcam_lidar from views of boards: minimises P(3.10) by Levenberg–Marquardt (Ceres),
-/// with every view weighted by the covariance of its corners and returns. The initial pose is the
-/// consensus of the views, or `T_initial` if no three views determine one. Outlier views are
-/// removed and the problem is solved again until nothing changes. The covariance follows P(3.12)
-/// and appendix B, with the poses of the boards and the ranges as measurements.
+/// Estimates T_refcam_lidar from views of boards: P(3.10), with the errors that views share as
+/// parameters beside the pose (`TargetModel`), every view weighted by the covariance of its corners
+/// and returns and by the boards' misfit, which is estimated. The initial pose is the consensus of
+/// the views, or `T_initial` if no three views determine one. The start is robust: boards weigh
+/// less the farther they are from the others (Student's t), and those beyond `max_mahalanobis` are
+/// rejected. The covariance follows P(3.12) and appendix B, widened for the misfit's own
+/// uncertainty, and where leaving out single views changes the pose more than it states.
 ///
-/// Unusable, with the direction in the reason: all normals coplanar or parallel (P 3.2.3), an axis
-/// with a larger standard deviation than the options allow; or most views are outliers. Every view
+/// Unusable, with the reason: all normals coplanar or parallel (P 3.2.3), an axis with a larger
+/// standard deviation than the options allow; more boards rejected than they allow. Every view
 /// needs at least three returns.
 TargetResult solve_target(std::span<const TargetView> views, const Eigen::Isometry3d& T_initial,
                           const SolveTargetOptions& options);

@@ -6,18 +6,17 @@
 
 namespace infuse::target {
 
-ReturnsPlane fit_returns_plane(const std::vector<Eigen::Vector3d>& returns) {
+ReturnsPlane fit_returns_plane(const std::vector<BoardReturn>& returns) {
   ReturnsPlane plane;
   const auto n = static_cast<double>(returns.size());
-  for (const Eigen::Vector3d& point : returns) plane.mean += point / n;
+  for (const BoardReturn& seen : returns) plane.mean += seen.point / n;
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
-  for (const Eigen::Vector3d& point : returns) {
-    scatter += (point - plane.mean) * (point - plane.mean).transpose() / n;
+  for (const BoardReturn& seen : returns) {
+    scatter += (seen.point - plane.mean) * (seen.point - plane.mean).transpose() / n;
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter);
   plane.normal = eigen.eigenvectors().col(0);
   if (plane.normal.dot(plane.mean) > 0) plane.normal = -plane.normal;
-  plane.rms = std::sqrt(std::max(0.0, eigen.eigenvalues()(0)));
   plane.width = std::sqrt(std::max(0.0, eigen.eigenvalues()(1)));
   for (int k = 0; k < 2; ++k) {
     const Eigen::Vector3d out =

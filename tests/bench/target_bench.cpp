@@ -1,6 +1,6 @@
 // Target-based calibration: error against the number of views (P fig. 3.4) and the area of the
 // board (P fig. 3.5), and the estimated standard deviation. The range noise is 2 cm, a Velodyne's;
-// with P's 10 cm most views look like outliers and the result is rejected. Root mean squares over
+// Root mean squares over
 // twenty runs, three axes summed. Times are wall seconds per run.
 
 #include <benchmark/benchmark.h>
@@ -20,7 +20,7 @@ void solve(benchmark::State& state, int views, const Board& board) {
   constexpr uint64_t kRuns = 20;
   const Eigen::Isometry3d truth = synthetic::true_T_camera_lidar();
   const Eigen::Isometry3d initial_guess = synthetic::perturb(truth, 0.05, 0.1);
-  SolveTargetOptions options{.range_noise = kRangeNoise};
+  const SolveTargetOptions options;
   geometry::Vector6 squares = geometry::Vector6::Zero(), variances = geometry::Vector6::Zero();
   double usable = 0;
   for (auto _ : state) {

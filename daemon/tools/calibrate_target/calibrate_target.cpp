@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <memory>
@@ -62,8 +63,12 @@ Json to_json(const TargetViews& views, const target::TargetCalibration& calibrat
                {"covariance", by_row(result.covariance)},
                {"usable", result.usable()},
                {"views_used", result.used},
-               {"rms_m", result.rms},
                {"range_noise_m", result.range_noise},
+               {"misfit_m", result.misfit.offset},
+               {"misfit_deg", result.misfit.tilt / kDegree},
+               {"beam_bias_m", result.beam_bias},
+               {"contrast_bias_m", result.contrast_bias},
+               {"leave_one_out_ratio", result.leave_one_out},
                {"views", std::move(list)},
                {"skipped", views.skipped}};
   if (!result.usable()) json["reason"] = result.reason;
@@ -99,6 +104,17 @@ std::string to_text(const TargetViews& views, const target::TargetCalibration& c
       "camera's axes\n",
       sigma(0) / kDegree, sigma(1) / kDegree, sigma(2) / kDegree, 1e3 * sigma(3), 1e3 * sigma(4),
       1e3 * sigma(5));
+  text += fmt::format(
+      "range: noise {:.1f} mm, biases of the beams {:.1f} mm, of bright returns {:+.1f} mm; boards "
+      "off "
+      "by {:.1f} mm, {:.2f} deg beyond noise\n",
+      1e3 * result.range_noise, 1e3 * result.beam_bias, 1e3 * result.contrast_bias,
+      1e3 * result.misfit.offset, result.misfit.tilt / kDegree);
+  text += fmt::format(
+      "{} of {} boards rejected; leaving one out changes the result by {:.1f} of its sigma\n",
+      std::count_if(result.views.begin(), result.views.end(),
+                    [](const auto& view) { return !view.used; }),
+      result.views.size(), std::sqrt(result.leave_one_out));
   if (const auto error = error_to_truth(views, result.T_refcam_lidar)) {
     text += fmt::format("error relative to the truth: {:.3f} deg, {:.1f} mm\n", error->rotation_deg,
                         1e3 * error->translation_m);
@@ -172,8 +188,8 @@ Command declare_calibrate_target(CLI::App& infuse) {
   app->add_option("--square", arguments->size.square_size, "side length of a square")
       ->required()
       ->type_name("M");
-  app->add_option("--range-noise", arguments->solve.range_noise,
-                  "range noise of the lidar, one standard deviation (0.02)")
+  app->add_option("--range-accuracy", arguments->solve.errors.range_accuracy,
+                  "range accuracy of the lidar by its manual, one standard deviation (0.02)")
       ->type_name("M");
   app->add_option("--margin", arguments->views.returns.margin,
                   "search margin around a board's position as predicted by the drive's extrinsics "

@@ -13,7 +13,7 @@ using testing::HasSubstr;
 /// A board, its returns and those of the wall behind it.
 struct BoardScene {
   Eigen::Isometry3d T_lidar_board;
-  std::vector<Eigen::Vector3d> nearby_returns;
+  std::vector<BoardReturn> nearby_returns;
 };
 
 BoardScene make_scene(synthetic::RandomSource& random, double margin = 0.25) {
@@ -43,7 +43,7 @@ TEST(BoardReturns, FindsTheBoardInFrontOfAWall) {
     });
     EXPECT_NEAR(static_cast<double>(returns->size()), static_cast<double>(expected),
                 0.03 * static_cast<double>(expected));
-    for (const Eigen::Vector3d& point : *returns) {
+    for (const auto& [point, ring, reflectivity] : *returns) {
       EXPECT_LT(std::abs((scene.T_lidar_board.inverse() * point).z()), 0.1);
     }
   }
@@ -56,7 +56,7 @@ TEST(BoardReturns, ShrunkReturnsLieInsideTheOutline) {
       find_board_returns(scene.nearby_returns, scene.T_lidar_board, synthetic::board(), -0.02, {});
   ASSERT_TRUE(returns);
   const Eigen::Vector2d half = synthetic::board().half_size();
-  for (const Eigen::Vector3d& point : *returns) {
+  for (const auto& [point, ring, reflectivity] : *returns) {
     const Eigen::Vector3d at = scene.T_lidar_board.inverse() * point - synthetic::board().middle();
     EXPECT_LE(std::abs(at.x()), half.x() - 0.02 + 1e-9);
     EXPECT_LE(std::abs(at.y()), half.y() - 0.02 + 1e-9);

@@ -28,8 +28,9 @@ std::vector<BoardObservation> make_boards_on_stands(int count, const Eigen::Isom
     for (int i = 0; i < 400; ++i) {
       const Eigen::Vector3d post(random.uniform(-0.1, 0.1), random.uniform(1.01, 1.4) * half.y(),
                                  random.uniform(0.02, 0.04));
-      observation.nearby_returns.push_back(T_lidar_camera *
-                                           (T * (post + synthetic::board().middle())));
+      observation.nearby_returns.push_back(
+          {T_lidar_camera * (T * (post + synthetic::board().middle())),
+           static_cast<uint16_t>(i % 64), 0.5});
     }
     observations.push_back(std::move(observation));
   }
@@ -45,16 +46,16 @@ TEST(CalibrateTarget, IsRobustToStandsAndARoughInitialGuess) {
   EXPECT_TRUE(found.result.usable()) << found.result.reason;
   EXPECT_GE(found.result.used, 18);
   EXPECT_LT(synthetic::degrees_between(found.result.T_refcam_lidar, truth), 0.1);
-  EXPECT_LT(synthetic::metres_between(found.result.T_refcam_lidar, truth), 0.005);
+  EXPECT_LT(synthetic::metres_between(found.result.T_refcam_lidar, truth), 0.01);
 }
 
 TEST(CalibrateTarget, ObservationsWithoutReturnsAreListed) {
   const Eigen::Isometry3d truth = synthetic::true_T_camera_lidar();
-  auto observations = make_boards_on_stands(6, truth);
+  auto observations = make_boards_on_stands(16, truth);
   observations[2].nearby_returns.clear();
   const TargetCalibration found = calibrate_target(observations, synthetic::board(), truth, {}, {});
   EXPECT_TRUE(found.result.usable()) << found.result.reason;
-  ASSERT_EQ(found.result.views.size(), 6U);
+  ASSERT_EQ(found.result.views.size(), 16U);
   EXPECT_FALSE(found.result.views[2].used);
   EXPECT_THAT(found.reasons[2], testing::HasSubstr("0 returns"));
   EXPECT_TRUE(found.reasons[1].empty());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <random>
@@ -144,19 +145,54 @@ inline Corners project_corners(const Eigen::Isometry3d& T_camera_board, const Bo
   return corners;
 }
 
+/// Brightness where a ray meets a board with a white border half a square wide.
+inline std::optional<double> brightness(const Eigen::Isometry3d& T_camera_board, const Board& board,
+                                        const Eigen::Vector3d& along) {
+  const Eigen::Vector3d normal = T_camera_board.linear().col(2);
+  const double range = normal.dot(T_camera_board.translation()) / normal.dot(along);
+  const Eigen::Vector3d at = T_camera_board.inverse() * (range * along);
+  const double p = at.x() / board.square_size + 1;
+  const double q = at.y() / board.square_size + 1;
+  if (p < -0.5 || q < -0.5 || p > board.columns + 1.5 || q > board.rows + 1.5) return std::nullopt;
+  const bool inside = p >= 0 && q >= 0 && p < board.columns + 1 && q < board.rows + 1;
+  const bool dark = inside && (static_cast<int>(p) + static_cast<int>(q)) % 2 == 0;
+  return dark ? 30 : 220;
+}
+
+/// Range biases of a lidar, m.
+struct RangeErrors {
+  double of_all = 0;
+  double contrast = 0;  ///< of bright squares, beyond that of dark ones
+  std::array<double, 64> of_beam{};
+
+  static RangeErrors draw(double sigma, RandomSource& random) {
+    RangeErrors errors{sigma * random.normal(), sigma * random.normal(), {}};
+    for (double& bias : errors.of_beam) bias = sigma * random.normal();
+    return errors;
+  }
+};
+
 /// Views one board with both sensors, with the noise of both; the returns are exactly those on the
 /// board.
 inline TargetView make_view(const Eigen::Isometry3d& T_camera_board, const Board& board,
                             RandomSource& random, double range_noise = 0.02,
-                            double corner_noise = 0.06) {
+                            double corner_noise = 0.06, const RangeErrors& errors = {}) {
   const auto pose = estimate_board_pose(
       geometry::CameraModel(intrinsics()), board,
       project_corners(T_camera_board, board, corner_noise, random), corner_noise);
-  TargetView view{.T_refcam_board = pose->T_camera_board, .board_covariance = pose->covariance};
+  TargetView view{.T_refcam_board = pose->T_camera_board,
+                  .board_covariance = pose->covariance,
+                  .returns = {},
+                  .board = board};
   const Eigen::Isometry3d T_lidar_board = true_T_camera_lidar().inverse() * T_camera_board;
-  for_each_beam([&](const Eigen::Vector3d& along, uint16_t, uint16_t) {
+  for_each_beam([&](const Eigen::Vector3d& along, uint16_t ring, uint16_t) {
     const auto range = intersect(T_lidar_board, board, Eigen::Vector3d::Zero(), along);
-    if (range) view.returns.push_back((*range + range_noise * random.normal()) * along);
+    if (!range) return;
+    const bool dark = brightness(T_lidar_board, board, along).value_or(0) < 128;
+    const double bias =
+        errors.of_all + errors.of_beam[ring] + (dark ? -0.5 : 0.5) * errors.contrast;
+    view.returns.push_back(
+        {(*range + bias + range_noise * random.normal()) * along, ring, dark ? 0.1 : 0.8});
   });
   return view;
 }
@@ -171,20 +207,6 @@ inline std::vector<TargetView> make_views(int views, uint64_t seed,
     if (view.returns.size() >= 30) all.push_back(std::move(view));
   }
   return all;
-}
-
-/// Brightness where a ray meets a board with a white border half a square wide.
-inline std::optional<double> brightness(const Eigen::Isometry3d& T_camera_board, const Board& board,
-                                        const Eigen::Vector3d& along) {
-  const Eigen::Vector3d normal = T_camera_board.linear().col(2);
-  const double range = normal.dot(T_camera_board.translation()) / normal.dot(along);
-  const Eigen::Vector3d at = T_camera_board.inverse() * (range * along);
-  const double p = at.x() / board.square_size + 1;
-  const double q = at.y() / board.square_size + 1;
-  if (p < -0.5 || q < -0.5 || p > board.columns + 1.5 || q > board.rows + 1.5) return std::nullopt;
-  const bool inside = p >= 0 && q >= 0 && p < board.columns + 1 && q < board.rows + 1;
-  const bool dark = inside && (static_cast<int>(p) + static_cast<int>(q)) % 2 == 0;
-  return dark ? 30 : 220;
 }
 
 /// Image of boards in front of a grey wall, 3 × 3 rays per pixel.
