@@ -132,7 +132,7 @@ void CalibrationGuard::fill_report(Stamp now) {
   report_.T_camera_lidar = supervisor_.current();
   report_.evaluations = evaluations_;
   report_.scenes = monitor_.scenes().size();
-  report_.needed_scenes = supervisor_.needed_scenes(now);
+  report_.needed_scenes = supervisor_.needed_scenes();
   report_.verdict = observed_.verdict;
   report_.dependence = dependence_;
   report_.estimate = estimate_of(last_result_);

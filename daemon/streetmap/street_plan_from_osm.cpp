@@ -106,20 +106,21 @@ std::optional<SegmentKind> area_kind(const std::vector<osm::Tag>& tags) {
 
 class StreetPlanBuilder {
  public:
-  /// `limit`: what is used; nothing: all.
-  StreetPlanBuilder(const osm::OpenStreetMap& map, const std::optional<osm::Bounds>& limit)
+  /// Uses all that the map holds.
+  explicit StreetPlanBuilder(const osm::OpenStreetMap& map)
       : map_(map), frame_(gnss::make_local_frame(map.centre_latitude, map.centre_longitude)) {
     set_origin();
-    if (limit) set_limit(*limit, kBeyondBounds);
   }
 
-  /// Uses what lies within `clip`, and its middle as the origin.
-  void set_clip(const osm::Bounds& clip) {
-    latitude_ = (clip.south + clip.north) / 2;
-    longitude_ = (clip.west + clip.east) / 2;
-    median_ = {latitude_, longitude_};
-    frame_ = gnss::make_local_frame(latitude_, longitude_);
-    set_limit(clip, 0);
+  /// Uses what lies within `limit` and `beyond` metres around it, and its middle as the origin.
+  StreetPlanBuilder(const osm::OpenStreetMap& map, const osm::Bounds& limit, double beyond)
+      : map_(map),
+        frame_(
+            gnss::make_local_frame((limit.south + limit.north) / 2, (limit.west + limit.east) / 2)),
+        latitude_((limit.south + limit.north) / 2),
+        longitude_((limit.west + limit.east) / 2),
+        median_(latitude_, longitude_) {
+    set_limit(limit, beyond);
   }
 
   OsmStreetPlan run() {
@@ -317,14 +318,11 @@ class StreetPlanBuilder {
 
 OsmStreetPlan build_street_plan(const osm::OpenStreetMap& map,
                                 const std::optional<osm::Bounds>& clip) {
-  if (clip) {
-    StreetPlanBuilder builder(map, std::nullopt);
-    builder.set_clip(*clip);
-    return builder.run();
-  }
-  OsmStreetPlan planned = StreetPlanBuilder(map, map.bounds).run();
-  if (planned.carriageway_count > 0 || !map.bounds) return planned;
-  planned = StreetPlanBuilder(map, std::nullopt).run();
+  if (clip) return StreetPlanBuilder(map, *clip, 0).run();
+  if (!map.bounds) return StreetPlanBuilder(map).run();
+  OsmStreetPlan planned = StreetPlanBuilder(map, *map.bounds, kBeyondBounds).run();
+  if (planned.carriageway_count > 0) return planned;
+  planned = StreetPlanBuilder(map).run();
   planned.warnings.push_back({"has no road within its bounds", "", "the bounds are not used"});
   return planned;
 }

@@ -19,8 +19,8 @@ struct OsmStreetPlan {
 /// `width` tag, else follows from its lanes, else is the usual one of its class (table in the .cpp,
 /// after the German guidelines RASt 06 and RAL). Skipped with a warning: rings that are open or
 /// cross themselves, and elements more than 50 km from the median of the map. Skipped without:
-/// what lies outside `clip`, or, without it, outside the bounds that the file states; the origin is
-/// the middle of `clip`. Bounds of a file without a road in them are not used.
+/// what lies outside `clip`, or, without it, outside the bounds that the file states, of which the
+/// middle is the origin. Bounds of a file without a road in them are not used.
 OsmStreetPlan build_street_plan(const osm::OpenStreetMap& map,
                                 const std::optional<osm::Bounds>& clip = std::nullopt);
 

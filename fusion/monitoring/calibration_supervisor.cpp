@@ -9,11 +9,9 @@ namespace infuse::monitoring {
 
 std::optional<std::string> SupervisorOptions::invalid() const {
   if (!(limit_rotation > 0) || !(limit_translation > 0)) return "limits must be positive";
-  if (min_scenes_after_timeout < 3 || min_scenes < min_scenes_after_timeout)
-    return "3 <= min_scenes_after_timeout <= min_scenes must hold";
-  if (!(result_delay >= 0) || !(retry_interval >= 0) || !(scene_timeout >= 0)) {
-    return "result_delay, retry_interval and scene_timeout must not be negative";
-  }
+  if (min_scenes < 3) return "min_scenes must be at least 3";
+  if (!(result_delay >= 0) || !(retry_interval >= 0))
+    return "result_delay and retry_interval must not be negative";
   if (!(min_moved >= 0)) return "min_moved must not be negative";
   if (probation_evaluations < 1 || max_failures < 1)
     return "probation_evaluations and max_failures must be at least 1";
@@ -84,7 +82,6 @@ void CalibrationSupervisor::apply(CalibrationEvent event, Stamp stamp, const Sub
     next_retry_ = stamp + from_seconds(options_.retry_interval);
   }
   if (done.does(kRestartEvidence)) actions.calibration_changed = true;
-  if (done.state == CalibrationState::kConfirmed && state_ != done.state) confirmed_since_ = stamp;
   state_ = done.state;
   if (state_ != CalibrationState::kRecalibrated) before_.reset();
   if (state_ == CalibrationState::kOk || done.does(kUse)) drift_noted_ = false;
@@ -215,17 +212,11 @@ void CalibrationSupervisor::observe(const MonitorReport& report, SupervisorActio
   }
 }
 
-size_t CalibrationSupervisor::needed_scenes(Stamp stamp) const {
-  const bool timed_out = state_ == CalibrationState::kConfirmed &&
-                         stamp - confirmed_since_ >= from_seconds(options_.scene_timeout);
-  return timed_out ? options_.min_scenes_after_timeout : options_.min_scenes;
-}
-
 void CalibrationSupervisor::start_reestimation_if_due(const MonitorReport& report, size_t scenes,
                                                       SupervisorActions& actions) {
   const bool wanted =
       requested_ || (state_ == CalibrationState::kConfirmed && !proposal_ && !frozen_);
-  if (!wanted || scenes < needed_scenes(report.stamp) || report.stamp < next_retry_) return;
+  if (!wanted || scenes < needed_scenes() || report.stamp < next_retry_) return;
   actions.scenes_since = scenes_since(report);
   apply(CalibrationEvent::kScenesReady, report.stamp, {}, actions);
 }

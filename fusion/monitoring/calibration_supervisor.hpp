@@ -16,11 +16,10 @@ struct SupervisorOptions {
   UpdatePolicy policy = UpdatePolicy::kAlertOnly;
   double limit_rotation = 0.05;    ///< rad, of kApplyWithin
   double limit_translation = 0.1;  ///< m, of kApplyWithin
-  size_t min_scenes = 30;          ///< scenes since the drift began that a re-estimation needs
-  size_t min_scenes_after_timeout = 15;  ///< the same after `scene_timeout`
-  double scene_timeout = 40;             ///< s since the confirmation
+  size_t min_scenes = 15;  ///< scenes since the drift began that a re-estimation needs; P 3.4.1.3:
+                           ///< 10 to 20. Its covariance decides whether they suffice.
   double result_delay =
-      10;  ///< s of drive time from the start of a re-estimation to the use of its result
+      5;  ///< s of drive time from the start of a re-estimation to the use of its result
   double min_moved = 3.5;  ///< Mahalanobis distance (6 degrees of freedom) below which the
                            ///< present calibration is kept
   int probation_evaluations =
@@ -120,8 +119,8 @@ class CalibrationSupervisor {
   bool recalibration_requested() const { return requested_; }
   /// True if a re-estimation was started and its result is not used yet.
   bool reestimating() const { return state_ == CalibrationState::kRecalibrating; }
-  /// Number of scenes that the next re-estimation needs at a stamp.
-  size_t needed_scenes(Stamp stamp) const;
+  /// Number of scenes that the next re-estimation needs.
+  size_t needed_scenes() const { return options_.min_scenes; }
   /// Events, oldest first.
   const std::vector<HistoryEntry>& history() const { return history_; }
 
@@ -159,7 +158,6 @@ class CalibrationSupervisor {
   std::optional<Reestimate> result_;  // not used yet
   Stamp reestimation_started_;
   Stamp next_retry_ = Stamp::earliest();
-  Stamp confirmed_since_;                  // stamp of the confirmation
   Stamp moved_again_ = Stamp::earliest();  // after the drift that the last proposal answered
   int failures_ = 0;
   double gain_sum_ = 0;

@@ -35,6 +35,19 @@ Matrix6 information_of(const Matrix6& covariance) {
   return eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose();
 }
 
+/// Whether points lie on planes better than at another pose: by the sum of the differences of their
+/// weights, which is known to about the root of the sum of their squares. What fits both poses, as
+/// walls along the street do, does not count.
+bool fits_better(const FieldVector<float>& weights, const FieldVector<float>& others) {
+  double sum = 0, squares = 0;
+  for (size_t i = 0; i < weights.size(); ++i) {
+    const double difference = weights[i] - others[i];
+    sum += difference;
+    squares += difference * difference;
+  }
+  return sum > kStartSigmas * std::sqrt(squares);
+}
+
 }  // namespace
 
 LidarOdometry::LidarOdometry(const Eigen::Isometry3d& T_vehicle_lidar,
@@ -91,31 +104,28 @@ std::optional<PosePrior> LidarOdometry::anchored(const geometry::MotionBetween* 
   return anchored_prior(*prior, T_anchor_vehicle, T_vehicle_lidar_, registration_.prior_scale());
 }
 
-// The weight of the points on planes is known to about its root. Where the geometry leaves the
-// speed free all fit about as well, and the slowest is the guess.
+// Where the geometry leaves the speed free all fit about as well, and the slowest is the guess.
 Eigen::Isometry3d LidarOdometry::search_start(double seconds) {
   const double reach = options_.max_start_speed * seconds / options_.start_step;
   const int steps = static_cast<int>(std::min<double>(reach, kMaxStartSteps));
-  starts_.clear();
-  double best_weight = 0;
+  starts_.resize(static_cast<size_t>(2 * steps + 1));
   for (int i = -steps; i <= steps; ++i) {
     Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();
     T_from_to.translation().x() = i * options_.start_step;
     const Eigen::Isometry3d guess = T_map_vehicle_ * T_from_to * T_vehicle_lidar_;
     const RegistrationResult result = registration_.attempt(map_, selected_, guess);
-    const double weight = registration_.overlap() * static_cast<double>(selected_.size());
-    best_weight = std::max(best_weight, weight);
-    starts_.push_back(
-        {T_map_vehicle_.inverse() * result.T_target_source * T_vehicle_lidar_.inverse(), weight});
+    Start& start = starts_[static_cast<size_t>(i + steps)];
+    start.T_from_to =
+        T_map_vehicle_.inverse() * result.T_target_source * T_vehicle_lidar_.inverse();
+    start.weight = registration_.overlap() * static_cast<double>(selected_.size());
+    registration_.point_weights(start.weights);
   }
-  const double min_weight = best_weight - kStartSigmas * std::sqrt(best_weight);
-  Eigen::Isometry3d slowest = Eigen::Isometry3d::Identity();
-  double shortest = std::numeric_limits<double>::infinity();
+  const Start& best = *std::ranges::max_element(starts_, {}, &Start::weight);
+  Eigen::Isometry3d slowest = best.T_from_to;
   for (const Start& start : starts_) {
-    const double way = start.T_from_to.translation().norm();
-    if (start.weight < min_weight || way >= shortest) continue;
-    shortest = way;
-    slowest = start.T_from_to;
+    if (fits_better(best.weights, start.weights)) continue;
+    if (start.T_from_to.translation().norm() < slowest.translation().norm())
+      slowest = start.T_from_to;
   }
   return slowest;
 }

@@ -89,7 +89,8 @@ class LidarOdometry {
   /// One of the speeds that are tried at the start.
   struct Start {
     Eigen::Isometry3d T_from_to;
-    double weight = 0;  // of the points on planes of the map
+    FieldVector<float> weights;  // of the points on planes of the map
+    double weight = 0;           // their sum
   };
   std::vector<Start> starts_;
 

@@ -169,4 +169,17 @@ RegistrationResult MapRegistration::attempt(const VoxelMap& map, const PointClou
   return result;
 }
 
+void MapRegistration::point_weights(FieldVector<float>& weights) const {
+  reserve_with_headroom(weights, pairs_.size);
+  weights.resize(pairs_.size);
+  const auto width2 = static_cast<float>(options_.robust_width * options_.robust_width);
+  const Pairs& at = pairs_;
+  for (size_t i = 0; i < pairs_.size; ++i) {
+    const float distance = at.tx[i] * (at.px[i] - at.qx[i]) + at.ty[i] * (at.py[i] - at.qy[i]) +
+                           at.tz[i] * (at.pz[i] - at.qz[i]);
+    const float kernel = width2 / (width2 + distance * distance);
+    weights[i] = at.weight[i] > 0 ? kernel * kernel : 0;
+  }
+}
+
 }  // namespace infuse::registration

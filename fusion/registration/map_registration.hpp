@@ -31,6 +31,10 @@ class MapRegistration {
   /// Fraction of the points of the last registration that lie on planes of the map, 0 … 1.
   double overlap() const { return overlap_; }
 
+  /// Weight of each point of the last registration, 0 … 1: 1 on a plane of the map, 0 without one.
+  /// Their mean is `overlap`.
+  void point_weights(FieldVector<float>& weights) const;
+
   /// Weight of a prior beside the sums over points. A point's distance from its plane counts in
   /// units of `robust_width` beside it: what is smaller is mostly common to neighbouring points.
   double prior_scale() const;

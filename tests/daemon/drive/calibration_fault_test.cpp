@@ -91,8 +91,7 @@ TEST(CalibrationFaults, AStopDoesNotWaitForAnEstimate) {
   auto setup = open_drive(folder / "drive", {}, {});
   ASSERT_TRUE(setup) << setup.error().message();
   PipelineOptions options;
-  options.calibration.supervisor.min_scenes =
-      options.calibration.supervisor.min_scenes_after_timeout = 10;
+  options.calibration.supervisor.min_scenes = 10;
   options.calibration.reestimate.searches = 2000;  // hours
   boost::asio::io_context io(1);
   Server server(io, {}, "0", "0123456789abcdef");

@@ -251,7 +251,10 @@ TEST_F(StreetMapFileTest, ClipAndBoundsLimitWhatIsUsed) {
   // A hundred metres around the bounds of a file are used too; rows are ten metres apart.
   const char* const far_south =
       "<bounds minlat='49.99' minlon='7.99' maxlat='49.9996' maxlon='8.01'/>";
-  EXPECT_THAT(names(plan(far_south, {})), testing::ElementsAre(1, 2));
+  const auto bounded = plan(far_south, {});
+  EXPECT_THAT(names(bounded), testing::ElementsAre(1, 2));
+  EXPECT_NEAR(bounded.plan.latitude, 49.9948 * kDegree, 1e-9);
+  EXPECT_NEAR(bounded.plan.longitude, 8 * kDegree, 1e-9);
   const char* const elsewhere = "<bounds minlat='1' minlon='1' maxlat='2' maxlon='2'/>";
   const auto ignored = plan(elsewhere, {});
   EXPECT_EQ(ignored.plan.strips.size(), 3U);

@@ -59,7 +59,7 @@ class Drive {
 };
 
 TEST(CalibrationSupervisor, FollowsTheEvidenceWithHysteresis) {
-  Drive drive({.min_scenes = 100, .scene_timeout = 1000});
+  Drive drive({.min_scenes = 100});
   EXPECT_EQ(drive.step(Drift::kLearning).state, kMonitoring);
   EXPECT_EQ(drive.step(Drift::kHolds).state, kOk);
   EXPECT_EQ(drive.step(Drift::kSuspected).state, kSuspected);
@@ -172,11 +172,12 @@ TEST(CalibrationSupervisor, FrozenByTheOwnerNothingIsStarted) {
   EXPECT_EQ(drive.supervisor.state(), kConfirmed);
 }
 
-TEST(CalibrationSupervisor, FewerScenesAreEnoughAfterTheTimeout) {
-  Drive drive({.min_scenes = 30, .min_scenes_after_timeout = 15, .scene_timeout = 40});
-  drive.scenes = 20;
+TEST(CalibrationSupervisor, AReestimationWaitsForScenes) {
+  Drive drive({.min_scenes = 15});
+  drive.scenes = 14;
   drive.steps(5, Drift::kHolds);
   for (int k = 0; k < 80; ++k) ASSERT_FALSE(drive.step(Drift::kConfirmed).start_reestimation) << k;
+  drive.scenes = 15;
   EXPECT_TRUE(drive.step(Drift::kConfirmed).start_reestimation);
 }
 
@@ -255,14 +256,14 @@ TEST(CalibrationSupervisor, AProposalIsMonitoredAndWithdrawn) {
 }
 
 TEST(CalibrationSupervisor, HistoryIsBounded) {
-  Drive drive({.min_scenes = 100, .scene_timeout = 1000, .max_history = 5});
+  Drive drive({.min_scenes = 100, .max_history = 5});
   for (int k = 0; k < 20; ++k) {
     drive.step(Drift::kConfirmed);
     drive.step(Drift::kHolds);
   }
   EXPECT_EQ(drive.supervisor.history().size(), 5U);
   EXPECT_FALSE(SupervisorOptions{}.invalid());
-  EXPECT_TRUE(SupervisorOptions{.min_scenes_after_timeout = 1}.invalid());
+  EXPECT_TRUE(SupervisorOptions{.min_scenes = 2}.invalid());
 }
 
 }  // namespace

@@ -4,9 +4,11 @@
 #include <memory>
 
 #include "drivers/measurement/angles.hpp"
+#include "drivers/robosense/robosense_maker.hpp"
 #include "drivers/velodyne/velodyne_maker.hpp"
 #include "fixtures/simulator/simulation.hpp"
 #include "fusion/registration/lidar_trajectory.hpp"
+#include "tests/folders.hpp"
 
 namespace infuse::study {
 namespace {
@@ -87,6 +89,25 @@ TEST(SparseLidar, TakesAStartThatNothingShowsAsSlow) {
   const Followed found = follow(scenario, 5);
   EXPECT_LT(found.true_way, 0.2);
   EXPECT_LT(found.way, 0.5);
+}
+
+// The rings of a lidar that looks down stand still around it, and walls along the street fit any
+// speed: neither may outweigh what shows the speed.
+TEST(SparseLidar, StartsAtSpeedThoughItLooksDown) {
+  simulator::Scenario scenario;
+  scenario.seed = 11;
+  scenario.duration = 20;
+  scenario.map = source_folder() + "/fixtures/maps/altfeld.osm";
+  scenario.route = {100, 104, 112, 110, 115, 117, 119, 107};
+  scenario.motion.start_speed = scenario.motion.speed = 9;
+  simulator::LidarOptions lidar;
+  lidar.model = &robosense::lidar_model(robosense::Model::kHelios);
+  lidar.rays_per_pulse = 1;
+  lidar.T_vehicle_lidar.translation() = Eigen::Vector3d(1, 0, 1.95);
+  scenario.lidars.push_back(lidar);
+  const Followed found = follow(scenario, 2);
+  EXPECT_EQ(found.claimed, 1);
+  EXPECT_LT(found.max_error, 0.05);
 }
 
 // Fog is always around the lidar, and would hold it back as well.
