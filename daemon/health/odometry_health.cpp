@@ -2,6 +2,9 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
+#include <boost/math/distributions/binomial.hpp>
+
 namespace infuse::daemon {
 namespace {
 
@@ -15,16 +18,23 @@ std::string carriers(const OdometrySourceStatuses& sources, const std::string& c
   return names.empty() ? "nothing else" : names;
 }
 
-/// Names of the sources of which most samples were rejected between two updates.
-std::string contradicting(const OdometrySourceStatuses& before, const OdometrySourceStatuses& now) {
-  std::string names;
-  for (size_t i = 0; i < now.size(); ++i) {
-    const uint64_t rejected = now[i].rejected - before[i].rejected;
-    const uint64_t accepted = now[i].accepted - before[i].accepted;
-    if (rejected > accepted) names += (names.empty() ? "" : ", ") + std::string(now[i].name);
-  }
-  return names;
+/// True if more samples were rejected than single outliers explain.
+bool beyond_chance(uint64_t rejected, uint64_t samples) {
+  constexpr double kOutliers = 0.02;  // part of the samples of a source that is right, at most
+  constexpr double kLevel = 1e-6;     // once in 11 days, at a check a second
+  if (rejected == 0) return false;
+  const boost::math::binomial_distribution<> outliers(static_cast<double>(samples), kOutliers);
+  return cdf(complement(outliers, static_cast<double>(rejected - 1))) < kLevel;
 }
+
+struct Counts {
+  uint64_t rejected, samples;
+  Counts(const OdometrySourceStatus& before, const OdometrySourceStatus& now)
+      : rejected(now.rejected - before.rejected),
+        samples(rejected + now.accepted - before.accepted) {}
+};
+
+constexpr Duration kUpdates{1'000'000'000};  // ns between updates, about
 
 constexpr Alert<OdometryTick> kOdometryAlerts[] = {
     {{"untrusted", Level::kError, Delays::kBoth,
@@ -37,7 +47,8 @@ constexpr Alert<OdometryTick> kOdometryAlerts[] = {
                       "receiver with speed and course, or use_lidar in [odometry]"};
      }},
     {{"contradiction", Level::kWarn, Delays::kBoth,
-      "Most samples of a source are rejected. Wheels: slip, or a tyre changed; GNSS: reflections; "
+      "Most samples of a source are rejected, or for a moment more than chance explains. Wheels: "
+      "slip, or a tyre changed; GNSS: reflections; "
       "lidar: moving objects."},
      [](const OdometryTick& tick) -> std::optional<Problem> {
        if (tick.contradicting.empty()) return {};
@@ -59,10 +70,27 @@ constexpr Alert<OdometryTick> kOdometryAlerts[] = {
 
 std::span<const Alert<OdometryTick>> odometry_alerts() { return kOdometryAlerts; }
 
+OdometryHealth::OdometryHealth(const HealthOptions& options)
+    : before_(static_cast<size_t>(options.raise_after / kUpdates) + 1),
+      checks_(odometry_alerts(), options) {}
+
+// A moment counts for as long as a condition must last to raise an alert.
+std::string OdometryHealth::contradicting(const OdometrySourceStatuses& now) const {
+  std::string names;
+  for (size_t i = 0; i < now.size(); ++i) {
+    const Counts last(before_.back()[i], now[i]), all(before_.front()[i], now[i]);
+    const bool most = 2 * last.rejected > last.samples;
+    if (!most && !beyond_chance(all.rejected, all.samples)) continue;
+    names += (names.empty() ? "" : ", ") + std::string(now[i].name);
+  }
+  return names;
+}
+
 const AlertChecks<OdometryTick>& OdometryHealth::update(Stamp now, const OdometryStatus& status) {
-  const std::string names = contradicting(sources_, status.sources);
+  const std::string names = contradicting(status.sources);
   const uint64_t not_deskewed = status.not_deskewed - not_deskewed_;
-  sources_ = status.sources;
+  std::rotate(before_.begin(), before_.begin() + 1, before_.end());
+  before_.back() = status.sources;
   not_deskewed_ = status.not_deskewed;
   return checks_.update(now, {status, names, not_deskewed});
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "daemon/health/alert_checks.hpp"
 #include "daemon/health/health_options.hpp"
@@ -54,7 +55,7 @@ struct OdometryStatus {
 /// What the alerts of odometry are checked by, at one update.
 struct OdometryTick {
   const OdometryStatus& status;
-  const std::string& contradicting;  ///< names of the sources of which most samples were rejected
+  const std::string& contradicting;  ///< names of the sources that contradict the motion
   uint64_t not_deskewed;             ///< sweeps passed on as measured since the last update
 };
 
@@ -64,14 +65,16 @@ std::span<const Alert<OdometryTick>> odometry_alerts();
 /// Checks odometry. Pure.
 class OdometryHealth {
  public:
-  explicit OdometryHealth(const HealthOptions& options) : checks_(odometry_alerts(), options) {}
+  explicit OdometryHealth(const HealthOptions& options);
 
   /// Updates the findings; called about once a second. The result is valid until the next call.
   const AlertChecks<OdometryTick>& update(Stamp now, const OdometryStatus& status);
 
  private:
+  std::string contradicting(const OdometrySourceStatuses& now) const;
+
   uint64_t not_deskewed_ = 0;
-  OdometrySourceStatuses sources_;  // at the last update
+  std::vector<OdometrySourceStatuses> before_;  // at the last updates, the oldest first
   AlertChecks<OdometryTick> checks_;
 };
 

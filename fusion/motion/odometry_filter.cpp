@@ -229,6 +229,7 @@ void OdometryFilter::update_wheel_speeds(const WheelOdometry& sample) {
 // Wheels that jump, from how they turned when they were accepted last, slide or spin: no vehicle
 // brakes or accelerates so fast (tyres on dry road hold 1.2 g). They are out until they jump back
 // by more than half, or turn as before, for as long as a vehicle slides on ice at most (0.1 g).
+// Wheels that rest after a jump are out until they turn: whether the vehicle stands is not known.
 bool OdometryFilter::have_jumped(const WheelOdometry& sample, bool at_rest) {
   constexpr double kMaxAcceleration = 12, kIce = 1;  // m/s²
   constexpr double kUnseen = 1;                      // m/s; below it sensors of wheels see no teeth
@@ -239,8 +240,8 @@ bool OdometryFilter::have_jumped(const WheelOdometry& sample, bool at_rest) {
   const WheelOdometry& before = jumped_wheels_.value_or(*last_wheels_);
   const Stamp since = jumped_wheels_ ? jumped_since_ : now_;
   const auto possible = [&](Duration time) { return kMaxAcceleration * to_seconds(time) + noise; };
-  bool out = to_seconds(now_ - since) < std::abs(state_.speed()) / kIce &&
-             change > possible(since - last_wheels_->stamp);
+  const bool may_slide = at_rest || to_seconds(now_ - since) < std::abs(state_.speed()) / kIce;
+  bool out = may_slide && change > possible(since - last_wheels_->stamp);
   if (out && jumped_wheels_) {
     out = smallest_change(before, sample) <= possible(now_ - before.stamp) ||
           change > 0.5 * smallest_change(*last_wheels_, before);

@@ -35,6 +35,32 @@ TEST(OdometryHealth, NamesTheSourceThatContradicts) {
   EXPECT_EQ(findings[0].what, "the motion carried by lidar is contradicted by wheels");
 }
 
+// Wheels that lock for half a second, and drive on: the alert comes 2 s later, and goes.
+TEST(OdometryHealth, NamesASourceThatContradictedForAMoment) {
+  OdometryHealth health{HealthOptions{}};
+  uint64_t accepted = 0, rejected = 0;
+  for (int second = 1; second < 20; ++second) {
+    const uint64_t lies = second == 7 ? 24 : 1;
+    accepted += 50 - lies;
+    rejected += lies;
+    const auto& findings =
+        health.update(Stamp::from_ns(second * 1'000'000'000LL), status_of(accepted, rejected))
+            .findings();
+    EXPECT_EQ(findings.size(), second >= 9 && second < 13 ? 1U : 0U) << second;
+  }
+}
+
+// A receiver at 1 Hz of which one fix is bad.
+TEST(OdometryHealth, OneBadFixIsChance) {
+  OdometryHealth health{HealthOptions{}};
+  for (int second = 1; second < 9; ++second) {
+    const uint64_t bad = second >= 4 ? 1 : 0;
+    const auto& conditions = health.update(Stamp::from_ns(second * 1'000'000'000LL),
+                                           status_of(static_cast<uint64_t>(second) - bad, bad));
+    EXPECT_TRUE(conditions.findings().empty()) << second;
+  }
+}
+
 // Most of its samples are rejected, but some still carry the motion.
 TEST(OdometryHealth, NoSourceContradictsItself) {
   OdometryHealth health{HealthOptions{}};

@@ -107,6 +107,39 @@ TEST(SlowErrors, WheelsThatJumpAreNotBelieved) {
   }
 }
 
+// For longer than a vehicle slides on ice: what stands still is the wheels, not the vehicle.
+TEST(SlowErrors, LockedWheelsAreNotBelievedUntilTheyTurn) {
+  const TrueDrive drive(34, [](double t) {
+    geometry::Vector6 twist = geometry::Vector6::Zero();
+    twist[2] = 0.06 * std::sin(0.7 * t);
+    twist[3] = 9 + 2 * std::sin(0.3 * t);
+    return twist;
+  });
+  for (const double seconds : {0.5, 2.0, 15.0}) {
+    SimulatedSensors sensors(drive, 6);
+    OdometryFilter filter;
+    const auto rejected = [&] {
+      return filter.report().sources[static_cast<size_t>(OdometrySource::kWheels)].rejected;
+    };
+    for (int i = 0; i < 1650; ++i) {
+      const double t = 0.02 * i;
+      const bool locked = t > 10 && t < 10 + seconds;
+      WheelOdometry wheels = sensors.wheels(t, 1, 0.002);
+      if (locked) wheels.wheel_speed.fill(0);
+      filter.add(wheels);
+      EXPECT_FALSE(filter.report().standing) << seconds << " at " << t;
+      if (locked && t > 10.6) {
+        EXPECT_FALSE(filter.usable()) << seconds << " at " << t;
+      }
+      if (t > 10 + seconds + 0.6) {
+        ASSERT_TRUE(filter.usable()) << seconds << " at " << t << ": " << filter.reason();
+        EXPECT_NEAR(filter.report().speed, drive.twist(t)[3], 0.5) << seconds << " at " << t;
+      }
+    }
+    EXPECT_GT(static_cast<double>(rejected()), 0.9 * seconds / 0.02) << "an alert names them";
+  }
+}
+
 // The others carry on, and the source is known to contradict itself.
 TEST(SlowErrors, SomeWheelsThatLieAreCounted) {
   const TrueDrive drive = straight_then_stop();
