@@ -105,7 +105,7 @@ SceneInformation pose_adjoint(const RigCamera& camera) {
   return adjoint;
 }
 
-constexpr float kNearestBand = 8;  // m; further ones are twice as deep each
+constexpr float kNearestBand = 8;  // m; further ones are twice as deep each (decision 018)
 
 /// Band of depths in which a point lies.
 size_t depth_band(float depth) {

@@ -66,13 +66,16 @@ ReducedView reduce_view(const ViewEquations& view, const ShiftCovariance& shift_
 /// what the model does not know.
 class TargetModel {
  public:
-  static constexpr Eigen::Index kCommon = 6;      ///< range bias of all beams, m
-  static constexpr Eigen::Index kContrast = 7;    ///< brightest minus darkest, m
-  static constexpr Eigen::Index kScale = 8;       ///< relative
-  static constexpr Eigen::Index kBow = 9;         ///< three of them, m
-  static constexpr Eigen::Index kOrigin = 12;     ///< distance of the beams' crossing from the axis
-  static constexpr Eigen::Index kShift = 13;      ///< shift of all boards alike, a BoardShift
-  static constexpr Eigen::Index kFirstBeam = 16;  ///< range biases of the beams, m
+  /// Indices of the parameters beside the pose.
+  enum : Eigen::Index {
+    kCommon = 6,      ///< range bias of all beams, m
+    kContrast = 7,    ///< brightest minus darkest, m
+    kScale = 8,       ///< relative
+    kBow = 9,         ///< three of them, m
+    kOrigin = 12,     ///< distance of the beams' crossing from the axis, m
+    kShift = 13,      ///< shift of all boards alike, a BoardShift
+    kFirstBeam = 16,  ///< range biases of the beams, m
+  };
 
   /// Keeps a reference to the views.
   explicit TargetModel(std::span<const TargetView> views);

@@ -12,10 +12,10 @@ using geometry::Vector6;
 
 constexpr double kMinMisfit = 1e-5;  // m and rad; below what any sensor resolves
 constexpr double kMaxMisfit = 0.1;   // m and rad; beyond the search for returns
-constexpr int kLineSteps = 14;       // of golden section: log(kGreatest ÷ kLeast) to 0.01
-constexpr double kMinShare = 0.01;   // of the pose's covariance; a view that adds less tells
-                                     // nothing of this direction
-constexpr int kLineSweeps = 2;       // over the two components
+constexpr int kLineSteps = 14;  // of golden section, rounded: log(kMaxMisfit ÷ kMinMisfit) to 0.01
+constexpr double kMinShare = 0.01;  // of the pose's covariance; a view that adds less tells
+                                    // nothing of this direction
+constexpr int kLineSweeps = 2;      // over the two components
 
 /// Minimum of a function between two numbers, by golden section.
 template <class Function>

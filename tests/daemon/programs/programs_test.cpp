@@ -175,8 +175,9 @@ TEST_F(ProgramsTest, StatusAndWatchQueryARunningReplay) {
 
 TEST_F(ProgramsTest, ATerminationSignalEndsWithASummary) {
   make(30);
-  const ProgramResult stopped = run("infused --json --replay " + path() + " --rate 1" + socket() +
-                                    " & pid=$!; sleep 0.5; kill -TERM $pid; wait $pid");
+  const ProgramResult stopped =
+      run("infused --json --replay " + path() + " --rate 1" + socket() + " & pid=$!; until [ -S " +
+          (folder_ / "s").string() + " ]; do sleep 0.1; done; kill -TERM $pid; wait $pid");
   EXPECT_EQ(stopped.code, 0);
   EXPECT_THAT(stopped.output, HasSubstr("\"stopped\":true"));
 }
