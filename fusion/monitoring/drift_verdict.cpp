@@ -35,7 +35,7 @@ std::string describe_offset(const DriftVerdict& verdict) {
 }  // namespace
 
 void DriftVerdict::set_fault(CameraFault observed) {
-  const bool late = drifting() && axis == Axis::kTime;
+  const bool late = drift == Drift::kConfirmed && axis == Axis::kTime;
   fault = observed == CameraFault::kNone && late ? CameraFault::kLate : observed;
 }
 

@@ -39,7 +39,8 @@ struct DriftVerdict {
   /// True if a drift is suspected or confirmed.
   bool drifting() const { return drift == Drift::kSuspected || drift == Drift::kConfirmed; }
 
-  /// Sets the fault that the images show; without one, a drift along time is a late camera.
+  /// Sets the fault that the images show; without one, a confirmed drift along time is a late
+  /// camera.
   void set_fault(CameraFault observed);
 };
 

@@ -44,6 +44,9 @@ TEST(DriftVerdict, ADriftAlongTimeIsALateCamera) {
   EXPECT_EQ(late.fault, CameraFault::kLate);
   late.set_fault(CameraFault::kDirty);
   EXPECT_EQ(late.fault, CameraFault::kDirty);
+  late.drift = Drift::kSuspected;
+  late.set_fault(CameraFault::kNone);
+  EXPECT_EQ(late.fault, CameraFault::kNone);
   late.drift = Drift::kHolds;
   late.set_fault(CameraFault::kNone);
   EXPECT_EQ(late.fault, CameraFault::kNone);
