@@ -71,10 +71,10 @@ TEST(CalibrationFaults, ABadUpdateIsRolledBack) {
 [[fault]]
 kind = "extrinsic_step"
 from_s = 8
-to_s = 42
+to_s = 29
 rotation_deg = [0, 1, 0]
 )",
-                                                        75, 5);
+                                                        45, 5);
   EXPECT_THAT(history.states, Contains("RECALIBRATED"));
   EXPECT_THAT(history.alerts, Contains("front.calibration_changed"));
   bool result = false;
