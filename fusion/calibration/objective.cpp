@@ -335,11 +335,10 @@ std::vector<SceneInformation> Objective::scene_information(
   for (const VisiblePoints::Block& block : points_.blocks) {
     SceneInformation part = SceneInformation::Zero();
     visit_scores(block, T_refcam_lidar, [&](size_t, const SceneGradient& score) {
-      part.selfadjointView<Eigen::Lower>().rankUpdate(score);
+      part.noalias() += score * score.transpose();
     });
     const SceneInformation adjoint = pose_adjoint(cameras_[scenes_[block.scene].camera]);
-    all[block.scene] +=
-        adjoint.transpose() * part.selfadjointView<Eigen::Lower>().toDenseMatrix() * adjoint;
+    all[block.scene] += adjoint.transpose() * part * adjoint;
   }
   return all;
 }
