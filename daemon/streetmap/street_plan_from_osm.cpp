@@ -115,10 +115,9 @@ class StreetPlanBuilder {
   /// Uses what lies within `limit` and `beyond` metres around it, and its middle as the origin.
   StreetPlanBuilder(const osm::OpenStreetMap& map, const osm::Bounds& limit, double beyond)
       : map_(map),
-        frame_(
-            gnss::make_local_frame((limit.south + limit.north) / 2, (limit.west + limit.east) / 2)),
         latitude_((limit.south + limit.north) / 2),
         longitude_((limit.west + limit.east) / 2),
+        frame_(gnss::make_local_frame(latitude_, longitude_)),
         median_(latitude_, longitude_) {
     set_limit(limit, beyond);
   }
@@ -307,8 +306,8 @@ class StreetPlanBuilder {
   }
 
   const osm::OpenStreetMap& map_;
-  gnss::LocalFrame frame_;
   double latitude_ = 0, longitude_ = 0;
+  gnss::LocalFrame frame_;
   Eigen::Vector2d median_{0, 0};
   OsmStreetPlan planned_;
   std::unordered_map<int64_t, std::pair<size_t, size_t>> streets_;  // strip and point by node

@@ -99,7 +99,7 @@ class IntrinsicsProblem {
 /// ascent early.
 SceneInformation preconditioner(Objective& objective, const Eigen::Isometry3d& T,
                                 const Vector10& scale, double prior_weight) {
-  SceneInformation curvature = total_information(objective.scene_information(T));
+  SceneInformation curvature = total_information(objective.information(T).scenes);
   // The mean of the points' scores has the curvature of their information divided by their number.
   curvature /= static_cast<double>(objective.point_count());
   curvature = (scale.asDiagonal() * curvature * scale.asDiagonal()).eval();
@@ -112,7 +112,7 @@ SceneInformation preconditioner(Objective& objective, const Eigen::Isometry3d& T
 /// Curvature of the objective by pose and intrinsics: Fisher's information, whose differences from
 /// the true one are smaller than the noise of numeric derivatives, on the scale of the latter.
 SceneInformation joint_curvature(Objective& objective, const Eigen::Isometry3d& T) {
-  const SceneInformation information = total_information(objective.scene_information(T));
+  const SceneInformation information = total_information(objective.information(T).scenes);
   const geometry::Matrix6 of_pose = information.topLeftCorner<6, 6>();
   const geometry::Matrix6 H = pose_curvature(
       objective, T, kCurvatureStep * curvature_steps(of_pose, objective.median_range()));

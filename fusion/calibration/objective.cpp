@@ -310,54 +310,35 @@ double Objective::median_range() const {
   return median(ranges);
 }
 
-template <class Use>
-void Objective::visit_scores(const VisiblePoints::Block& block,
-                             const Eigen::Isometry3d& T_refcam_lidar, const Use& use) const {
-  const RigCamera& camera = cameras_[scenes_[block.scene].camera];
-  const Eigen::Isometry3d T = camera.T_camera_refcam * T_refcam_lidar;
-  for (size_t i = block.begin; i < block.end; ++i) {
-    const Eigen::Vector2d by_pixel(by_u_[i], by_v_[i]);
-    if (by_pixel.isZero(0)) continue;
-    const Eigen::Vector3d p = T * Eigen::Vector3d(points_.x[i], points_.y[i], points_.z[i]);
-    const auto at = camera.model.project_with_derivatives(p);
-    if (!at) continue;
-    SceneGradient score;
-    score << at->by_pose.transpose() * by_pixel,
-        pixel_by_camera(camera.model.intrinsics(), i, p).transpose() * by_pixel;
-    use(i, score);
-  }
-}
-
-std::vector<SceneInformation> Objective::scene_information(
-    const Eigen::Isometry3d& T_refcam_lidar) {
-  std::vector<SceneInformation> all(scenes_.size(), SceneInformation::Zero());
+PointInformation Objective::information(const Eigen::Isometry3d& T_refcam_lidar) {
+  constexpr auto kColumns = static_cast<Eigen::Index>(2 * kDepthBands);
+  PointInformation all;
+  all.scenes.assign(scenes_.size(), SceneInformation::Zero());
+  all.bias.setZero(10, kColumns * static_cast<Eigen::Index>(cameras_.size()));
   differentiate_pixels(T_refcam_lidar, true, true);
   for (const VisiblePoints::Block& block : points_.blocks) {
-    SceneInformation part = SceneInformation::Zero();
-    visit_scores(block, T_refcam_lidar, [&](size_t, const SceneGradient& score) {
-      part.noalias() += score * score.transpose();
-    });
-    const SceneInformation adjoint = pose_adjoint(cameras_[scenes_[block.scene].camera]);
-    all[block.scene] += adjoint.transpose() * part * adjoint;
-  }
-  return all;
-}
-
-BiasInformation Objective::bias_information(const Eigen::Isometry3d& T_refcam_lidar) {
-  const auto columns = static_cast<Eigen::Index>(2 * kDepthBands);
-  BiasInformation all =
-      BiasInformation::Zero(10, columns * static_cast<Eigen::Index>(cameras_.size()));
-  differentiate_pixels(T_refcam_lidar, true, true);
-  for (const VisiblePoints::Block& block : points_.blocks) {
-    const size_t camera = scenes_[block.scene].camera;
-    BiasInformation part = BiasInformation::Zero(10, columns);
-    visit_scores(block, T_refcam_lidar, [&](size_t i, const SceneGradient& score) {
-      const auto column = static_cast<Eigen::Index>(2 * depth_band(depth_[i]));
-      part.col(column) += static_cast<double>(by_u_[i]) * score;
-      part.col(column + 1) += static_cast<double>(by_v_[i]) * score;
-    });
-    all.middleCols(static_cast<Eigen::Index>(camera) * columns, columns) +=
-        pose_adjoint(cameras_[camera]).transpose() * part;
+    const size_t index = scenes_[block.scene].camera;
+    const RigCamera& camera = cameras_[index];
+    const Eigen::Isometry3d T = camera.T_camera_refcam * T_refcam_lidar;
+    SceneInformation scene = SceneInformation::Zero();
+    Eigen::Matrix<double, 10, kColumns> bias = Eigen::Matrix<double, 10, kColumns>::Zero();
+    for (size_t i = block.begin; i < block.end; ++i) {
+      const Eigen::Vector2d by_pixel(by_u_[i], by_v_[i]);
+      if (by_pixel.isZero(0)) continue;
+      const Eigen::Vector3d p = T * Eigen::Vector3d(points_.x[i], points_.y[i], points_.z[i]);
+      const auto at = camera.model.project_with_derivatives(p);
+      if (!at) continue;
+      SceneGradient score;
+      score << at->by_pose.transpose() * by_pixel,
+          pixel_by_camera(camera.model.intrinsics(), i, p).transpose() * by_pixel;
+      scene.noalias() += score * score.transpose();
+      bias.middleCols<2>(static_cast<Eigen::Index>(2 * depth_band(depth_[i]))) +=
+          score * by_pixel.transpose();
+    }
+    const SceneInformation adjoint = pose_adjoint(camera);
+    all.scenes[block.scene] += adjoint.transpose() * scene * adjoint;
+    all.bias.middleCols<kColumns>(static_cast<Eigen::Index>(index) * kColumns) +=
+        adjoint.transpose() * bias;
   }
   return all;
 }

@@ -58,8 +58,20 @@ using SceneInformation = Eigen::Matrix<double, 10, 10>;
 /// Octaves, since a shift of the camera moves pixels by the inverse of the depth.
 inline constexpr size_t kDepthBands = 4;
 
-/// Information between the ten parameters and displacements of pixels, one column each.
+/// Information between the ten parameters and displacements of the pixels of all scenes alike,
+/// 1/px: for each camera and band of depths (`kDepthBands`) across and down, one column each.
+/// Camera after camera, the nearest band first. A displacement δ moves the maximum by −I⁻¹ b δ, I
+/// the information of all scenes and b its column.
 using BiasInformation = Eigen::Matrix<double, 10, Eigen::Dynamic>;
+
+/// Information of the points at a pose.
+struct PointInformation {
+  /// Fisher information P(3.19) of each scene, Σᵢ sᵢ sᵢᵀ over its points: sᵢ is the derivative by
+  /// the pose and by the camera's model of point i's part of each term times the term's samples,
+  /// for mutual information that of log p(x, y) / (p(x) p(y)).
+  std::vector<SceneInformation> scenes;
+  BiasInformation bias;
+};
 
 /// Returns the information of all scenes together.
 SceneInformation total_information(std::span<const SceneInformation> scenes);
@@ -99,17 +111,8 @@ class Objective {
   };
   Samples samples(const Eigen::Isometry3d& T_refcam_lidar, size_t term);
 
-  /// Returns each scene's Fisher information P(3.19) at a pose, Σᵢ sᵢ sᵢᵀ over its points: sᵢ is
-  /// the derivative by the pose and by the camera's model of point i's part of each term times the
-  /// term's samples, for mutual information that of log p(x, y) / (p(x) p(y)). Of the terms with a
-  /// gradient.
-  std::vector<SceneInformation> scene_information(const Eigen::Isometry3d& T_refcam_lidar);
-
-  /// Returns the same information between the ten parameters and displacements of the pixels of all
-  /// scenes alike, 1/px: for each camera and band of depths (`kDepthBands`) across and down, one
-  /// column each. Camera after camera, the nearest band first. A displacement δ moves the maximum
-  /// by −I⁻¹ b δ, I the information of all scenes and b its column.
-  BiasInformation bias_information(const Eigen::Isometry3d& T_refcam_lidar);
+  /// Returns the information of the points with a gradient at a pose.
+  PointInformation information(const Eigen::Isometry3d& T_refcam_lidar);
 
   size_t point_count() const { return points_.size(); }
   /// Median range of the points, m: a rotation by one radian moves them by about so much.
@@ -133,11 +136,6 @@ class Objective {
   /// Derivatives of the pixel of point `i`, at `p` in the camera, by the camera's model.
   Eigen::Matrix<double, 2, 4> pixel_by_camera(const CameraIntrinsics& camera, size_t i,
                                               const Eigen::Vector3d& p) const;
-  /// Calls use(point, score) for the points of a block that have one: the derivative of the point's
-  /// part by the ten parameters, of a left perturbation of the camera's own T_camera_lidar.
-  template <class Use>
-  void visit_scores(const VisiblePoints::Block& block, const Eigen::Isometry3d& T_refcam_lidar,
-                    const Use& use) const;
   Eigen::Vector4d camera_gradient(const VisiblePoints::Block& block,
                                   const Eigen::Isometry3d& T_refcam_lidar) const;
 

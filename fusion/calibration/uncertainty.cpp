@@ -178,7 +178,9 @@ Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& 
   }
   const double effective = out.effective_scenes;
   const Matrix6 scatter = scatter_factor(out.design_effect, seen.size()) * gradient_scatter(seen);
-  out.scene_information = objective.scene_information(T_refcam_lidar);
+  PointInformation points = objective.information(T_refcam_lidar);
+  out.scene_information = std::move(points.scenes);
+  out.bias_information = std::move(points.bias);
   const Matrix6 information_of_points =
       total_information(out.scene_information).topLeftCorner<6, 6>();
   const double range = objective.median_range();
@@ -206,7 +208,6 @@ Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& 
   out.reason = found.reason;
   if (!out.usable()) return out;
   out.cramer_rao_bound = information_of_points.inverse();
-  out.bias_information = objective.bias_information(T_refcam_lidar);
   const Eigen::Matrix<double, 6, Eigen::Dynamic> moved_by =
       kBiasSigma * out.cramer_rao_bound * out.bias_information.topRows<6>();
   out.bias_covariance = moved_by * moved_by.transpose();

@@ -17,7 +17,7 @@ struct Uncertainty {
   /// The part that all scenes of a drive share: the measure's own bias. What scenes show of places
   /// of one kind (parked cars at one side, upper edges without lower ones) displaces the maximum of
   /// each drive by another amount, which their scatter does not show: by `kBiasSigma` in each band
-  /// of depths, across and down, so Σ σ² (I⁻¹ b) (I⁻¹ b)ᵀ (`Objective::bias_information`).
+  /// of depths, across and down, so Σ σ² (I⁻¹ b) (I⁻¹ b)ᵀ (`BiasInformation`).
   geometry::Matrix6 bias_covariance = geometry::Matrix6::Zero();
   double effective_scenes = 0;  ///< number of independent scenes that tell as much (with points)
   double design_effect = 1;     ///< `design_effect` of these scenes
@@ -28,8 +28,8 @@ struct Uncertainty {
   std::vector<double>
       scene_influence;  ///< standard deviations by which each scene alone would move the result
   std::vector<SceneGradient> scene_gradients;       ///< Objective::scene_gradients at the result
-  std::vector<SceneInformation> scene_information;  ///< Objective::scene_information at the result
-  BiasInformation bias_information;                 ///< Objective::bias_information at the result
+  std::vector<SceneInformation> scene_information;  ///< `PointInformation` at the result
+  BiasInformation bias_information;                 ///< the same
   std::string reason;  ///< why it is unknown: a direction that nothing determines; or empty
 
   bool usable() const { return reason.empty(); }

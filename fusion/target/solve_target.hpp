@@ -63,8 +63,9 @@ struct TargetResult {
 /// uncertainty, and where leaving out single views changes the pose more than it states.
 ///
 /// Unusable, with the reason: all normals coplanar or parallel (P 3.2.3), an axis with a larger
-/// standard deviation than the options allow; more boards rejected than they allow. Every view
-/// needs at least three returns.
+/// standard deviation than the options allow; more boards rejected than they allow; a misfit of the
+/// boards beyond the same limits, since it may be common to all of them. Every view needs at least
+/// three returns.
 TargetResult solve_target(std::span<const TargetView> views, const Eigen::Isometry3d& T_initial,
                           const SolveTargetOptions& options);
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <fstream>
 #include <iostream>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -29,41 +30,56 @@ struct RigsArguments {
   std::string output = "rigs.csv";
 };
 
-/// Rows of all trials go to the file, the summary to standard output. Rigs that the file has are
-/// not tried again.
-int study_rigs([[maybe_unused]] const RigsArguments& arguments) {
 #ifdef INFUSE_SIMULATOR
+/// Rows of all trials go to the file. Seeds that it has are not tried again: a run that was stopped
+/// goes on. Returns all trials of the file; nothing if it cannot be written.
+template <class Trial, class Attempt>
+std::optional<std::vector<Trial>> resume(const RigsArguments& arguments,
+                                         std::vector<Trial> (*read)(std::istream&),
+                                         void (*write_header_of)(std::ostream&),
+                                         void (*write)(std::ostream&, const Trial&),
+                                         const Attempt& attempt) {
   std::ifstream before(arguments.output);
-  std::vector<RigTrial> all = read_rows(before);
+  std::vector<Trial> all = read(before);
   std::ofstream rows(arguments.output, std::ios::app);
   if (!rows) {
     std::cerr << "infuse-study: cannot write " << arguments.output << '\n';
-    return 2;
+    return std::nullopt;
   }
   rows << '\n';  // ends a row whose writing was interrupted
-  write_header(rows);
-  const RigRecordingOptions recorded = arguments.cells
-                                           ? RigRecordingOptions{.diverse = 40, .neighbours = 40}
-                                           : RigRecordingOptions{.diverse = 10, .neighbours = 0};
+  write_header_of(rows);
   for (uint64_t seed = arguments.seed;
        seed < arguments.seed + static_cast<uint64_t>(arguments.count); ++seed) {
-    if (std::any_of(all.begin(), all.end(), [&](const RigTrial& t) { return t.seed == seed; })) {
+    if (std::any_of(all.begin(), all.end(), [&](const Trial& t) { return t.seed == seed; }))
       continue;
-    }
-    const auto recording = record_random_rig(seed, recorded);
-    if (!recording) {
-      std::cerr << "infuse-study: rig " << seed << ": " << recording.error().message() << '\n';
-      continue;
-    }
-    const TrialSet set = arguments.cells ? TrialSet::kCells : TrialSet::kTrust;
-    std::ostream* details = arguments.details ? &std::cout : nullptr;
-    for (const RigTrial& trial : try_rig(*recording, seed, set, details)) {
-      write_row(rows, trial);
+    for (const Trial& trial : attempt(seed)) {
+      write(rows, trial);
       all.push_back(trial);
     }
     rows << std::flush;
   }
-  write_summary(std::cout, all);
+  return all;
+}
+#endif
+
+/// The summary of all trials goes to standard output.
+int study_rigs([[maybe_unused]] const RigsArguments& arguments) {
+#ifdef INFUSE_SIMULATOR
+  const RigRecordingOptions recorded = arguments.cells
+                                           ? RigRecordingOptions{.diverse = 40, .neighbours = 40}
+                                           : RigRecordingOptions{.diverse = 10, .neighbours = 0};
+  const auto all = resume<RigTrial>(
+      arguments, read_rows, write_header, write_row, [&](uint64_t seed) -> std::vector<RigTrial> {
+        const auto recording = record_random_rig(seed, recorded);
+        if (!recording) {
+          std::cerr << "infuse-study: rig " << seed << ": " << recording.error().message() << '\n';
+          return {};
+        }
+        const TrialSet set = arguments.cells ? TrialSet::kCells : TrialSet::kTrust;
+        return try_rig(*recording, seed, set, arguments.details ? &std::cout : nullptr);
+      });
+  if (!all) return 2;
+  write_summary(std::cout, *all);
   return 0;
 #else
   std::cerr << "infuse-study: built without the simulator\n";
@@ -71,36 +87,22 @@ int study_rigs([[maybe_unused]] const RigsArguments& arguments) {
 #endif
 }
 
-/// Rows go to the file, the summary to standard output. Rigs that the file has are not driven
-/// again.
+/// Rigs drawn at random, each driven twice.
 int study_drives([[maybe_unused]] RigsArguments arguments) {
 #ifdef INFUSE_SIMULATOR
   if (arguments.quick) {
     arguments.count = 2;
     arguments.scenes = 8;
   }
-  std::ifstream before(arguments.output);
-  std::vector<DrivesTrial> all = read_drives_rows(before);
-  std::ofstream rows(arguments.output, std::ios::app);
-  if (!rows) {
-    std::cerr << "infuse-study: cannot write " << arguments.output << '\n';
-    return 2;
-  }
-  rows << '\n';  // ends a row whose writing was interrupted
-  write_drives_header(rows);
-  for (uint64_t seed = arguments.seed;
-       seed < arguments.seed + static_cast<uint64_t>(arguments.count); ++seed) {
-    if (std::any_of(all.begin(), all.end(), [&](const DrivesTrial& t) { return t.seed == seed; })) {
-      continue;
-    }
-    const auto trial =
-        drive_twice(seed, {.scenes = arguments.scenes, .seconds = arguments.seconds});
-    if (!trial) continue;
-    write_drives_row(rows, *trial);
-    rows << std::flush;
-    all.push_back(*trial);
-  }
-  write_drives_summary(std::cout, all);
+  const auto all = resume<DrivesTrial>(
+      arguments, read_drives_rows, write_drives_header, write_drives_row,
+      [&](uint64_t seed) -> std::vector<DrivesTrial> {
+        auto trial = drive_twice(seed, {.scenes = arguments.scenes, .seconds = arguments.seconds});
+        if (!trial) return {};
+        return {*std::move(trial)};
+      });
+  if (!all) return 2;
+  write_drives_summary(std::cout, *all);
   return 0;
 #else
   std::cerr << "infuse-study: built without the simulator\n";

@@ -91,7 +91,12 @@ std::string to_text(const TargetViews& views, const target::TargetCalibration& c
                               view.used ? "" : ": outlier, not used")
                 : calibration.reasons[i] + "\n";
   }
-  for (const std::string& note : views.skipped) text += "  skipped: " + note + "\n";
+  constexpr size_t kMaxNotes = 5;
+  for (size_t i = 0; i < std::min(views.skipped.size(), kMaxNotes); ++i)
+    text += "  skipped: " + views.skipped[i] + "\n";
+  if (views.skipped.size() > kMaxNotes)
+    text += fmt::format("  and {} more were skipped\n", views.skipped.size() - kMaxNotes);
+  if (result.used == 0) return text + "not usable: " + result.reason + "\n";
   const Eigen::Matrix4d& T = result.T_refcam_lidar.matrix();
   text += "T_camera_lidar\n";
   for (int row = 0; row < 3; ++row) {
@@ -106,8 +111,7 @@ std::string to_text(const TargetViews& views, const target::TargetCalibration& c
       1e3 * sigma(5));
   text += fmt::format(
       "range: noise {:.1f} mm, biases of the beams {:.1f} mm, of bright returns {:+.1f} mm; boards "
-      "off "
-      "by {:.1f} mm, {:.2f} deg beyond noise\n",
+      "off by {:.1f} mm, {:.2f} deg beyond noise\n",
       1e3 * result.range_noise, 1e3 * result.beam_bias, 1e3 * result.contrast_bias,
       1e3 * result.misfit.offset, result.misfit.tilt / kDegree);
   text += fmt::format(

@@ -252,8 +252,8 @@ TEST(Objective, PointsThatAreNotComparedHaveNoEffect) {
   const Evaluation of_b = b.evaluate(few.T, true);
   EXPECT_NEAR(of_a.estimate.value, of_b.estimate.value, 1e-9);
   EXPECT_LT((of_a.gradient - of_b.gradient).norm(), 1e-6 * of_b.gradient.norm());
-  const SceneInformation information = b.scene_information(few.T).front();
-  EXPECT_LT((a.scene_information(rig.T).front() - information).norm(), 1e-6 * information.norm());
+  const SceneInformation information = b.information(few.T).scenes.front();
+  EXPECT_LT((a.information(rig.T).scenes.front() - information).norm(), 1e-6 * information.norm());
   EXPECT_EQ(a.samples(rig.T, 0).image, b.samples(few.T, 0).image);
 }
 

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import tempfile
+import unittest
 
 import numpy as np
 
@@ -42,3 +43,19 @@ def moved(points, yaw=0.02, shift=(0.1, -0.05, 0.02)):
 
 def scratch():
     return tempfile.TemporaryDirectory(prefix="infuse-test-")
+
+
+class OnAStreet(unittest.TestCase):
+    """Tests of a simulated street: `self.drive` in `self.folder`."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = scratch()
+        cls.drive = os.path.join(cls.folder.name, "drive")
+        subprocess.run([os.path.join(SOURCES, "fixtures/simulate_once"), program("infuse-simulate-unversioned"),
+                        os.path.join(SOURCES, "fixtures/scenarios/street_quick.toml"), "-o", cls.drive], check=True,
+                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()

@@ -8,25 +8,12 @@ import unittest
 
 import numpy as np
 
+import common
 import infuse
-from common import BUILD, SOURCES, program, scratch
+from common import program
 
 
-class Drive(unittest.TestCase):
-    """A simulated street."""
-
-    @classmethod
-    def setUpClass(cls):
-        cls.folder = scratch()
-        cls.drive = os.path.join(cls.folder.name, "drive")
-        subprocess.run([os.path.join(SOURCES, "fixtures/simulate_once"), program("infuse-simulate-unversioned"),
-                        os.path.join(SOURCES, "fixtures/scenarios/street_quick.toml"), "-o", cls.drive], check=True,
-                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
-
+class Drive(common.OnAStreet):
     def test_items_come_by_time_and_are_those_of_each_iterator(self):
         recording = infuse.open(self.drive)
         inspected = json.loads(subprocess.run([program("infuse"), "inspect", self.drive, "--json"], check=True,

@@ -9,8 +9,9 @@ import unittest
 
 import numpy as np
 
+import common
 import infuse
-from common import SOURCES, program, scratch
+from common import program
 
 INFUSE = program("infuse")
 # They print reports of the daemon, whose schemas are in daemon/protocol.
@@ -27,19 +28,7 @@ def subcommands(words):
         yield from subcommands([*words, name])
 
 
-class Results(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.folder = scratch()
-        cls.drive = os.path.join(cls.folder.name, "drive")
-        subprocess.run([os.path.join(SOURCES, "fixtures/simulate_once"), program("infuse-simulate-unversioned"),
-                        os.path.join(SOURCES, "fixtures/scenarios/street_quick.toml"), "-o", cls.drive], check=True,
-                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
-
+class Results(common.OnAStreet):
     def at(self, name):
         return os.path.join(self.folder.name, name)
 
