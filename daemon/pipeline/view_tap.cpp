@@ -1,7 +1,6 @@
 #include "daemon/pipeline/view_tap.hpp"
 
 #include <algorithm>
-#include <utility>
 
 namespace infuse::daemon {
 namespace {
@@ -31,6 +30,7 @@ void clear(ViewReturns& returns) {
   returns.column.clear();
 }
 
+/// Once for each value: afterwards no sweep makes it grow.
 void reserve(ViewPoints& points) {
   points.x.reserve(ViewTap::kMaxPoints);
   points.y.reserve(ViewTap::kMaxPoints);
@@ -61,17 +61,12 @@ void quantise(const SweepSnapshot& snapshot, size_t max_points, ViewPoints& poin
   }
 }
 
-ViewTap::ViewTap(size_t cameras) : images_(cameras) {
-  reserve(sweep_.value.points);
-  for (Slot<ViewImage>& image : images_) reserve(image.value.points);
-}
+ViewTap::ViewTap(size_t cameras) : images_(cameras) {}
 
 void ViewTap::add_sweep(const SweepSnapshot& snapshot, const Eigen::Isometry3d* T_odom_vehicle,
                         const ViewMapPose* map) {
   if (!wanted()) return;
-  const std::unique_lock lock(mutex_, std::try_to_lock);
-  if (!lock) return;
-  ViewSweep& sweep = sweep_.value;
+  ViewSweep& sweep = sweep_.next();
   sweep.stamp = snapshot.deskewed.reference;
   sweep.lidar = snapshot.lidar;
   sweep.deskewed = snapshot.deskewed.usable();
@@ -79,42 +74,35 @@ void ViewTap::add_sweep(const SweepSnapshot& snapshot, const Eigen::Isometry3d* 
   if (T_odom_vehicle != nullptr) sweep.T_odom_vehicle = *T_odom_vehicle;
   sweep.map.reset();
   if (map != nullptr) sweep.map = *map;
+  reserve(sweep.points);
   quantise(snapshot, kMaxPoints, sweep.points);
-  sweep_.fresh = true;
+  sweep_.publish();
 }
 
 void ViewTap::add_image(const ImageMatch& match, const Eigen::Isometry3d* estimate) {
-  if (!wanted()) return;
-  const std::unique_lock lock(mutex_, std::try_to_lock);
-  if (!lock || match.image.camera >= images_.size()) return;
-  Slot<ViewImage>& slot = images_[match.image.camera];
-  slot.value.camera = match.image.camera;
-  slot.value.frame = match.image.frame;
-  slot.value.T_camera_lidar = match.T_camera_lidar;
-  slot.value.T_camera_lidar_estimate.reset();
-  if (estimate != nullptr) slot.value.T_camera_lidar_estimate = *estimate;
-  quantise(match.snapshot, kMaxPoints, slot.value.points);
-  if (slot.with_returns) {
-    copy_returns(match.snapshot, slot.value.returns);
+  if (!wanted() || match.image.camera >= images_.size()) return;
+  Images& camera = images_[match.image.camera];
+  ViewImage& image = camera.latest.next();
+  image.camera = match.image.camera;
+  image.frame = match.image.frame;
+  image.T_camera_lidar = match.T_camera_lidar;
+  image.T_camera_lidar_estimate.reset();
+  if (estimate != nullptr) image.T_camera_lidar_estimate = *estimate;
+  reserve(image.points);
+  quantise(match.snapshot, kMaxPoints, image.points);
+  if (camera.with_returns.load(std::memory_order_relaxed)) {
+    copy_returns(match.snapshot, image.returns);
   } else {
-    clear(slot.value.returns);
+    clear(image.returns);
   }
-  slot.fresh = true;
+  camera.latest.publish();
 }
 
-bool ViewTap::swap_sweep(ViewSweep& out) {
-  const std::lock_guard lock(mutex_);
-  if (!std::exchange(sweep_.fresh, false)) return false;
-  std::swap(sweep_.value, out);
-  return true;
-}
+bool ViewTap::swap_sweep(ViewSweep& out) { return sweep_.take(out); }
 
 bool ViewTap::swap_image(CameraIndex camera, ViewImage& out, bool with_returns) {
-  const std::lock_guard lock(mutex_);
-  images_[camera].with_returns = with_returns;
-  if (!std::exchange(images_[camera].fresh, false)) return false;
-  std::swap(images_[camera].value, out);
-  return true;
+  images_[camera].with_returns.store(with_returns, std::memory_order_relaxed);
+  return images_[camera].latest.take(out);
 }
 
 }  // namespace infuse::daemon

@@ -2,11 +2,11 @@
 
 #include <atomic>
 #include <cstdint>
-#include <mutex>
 #include <optional>
 #include <vector>
 
 #include "daemon/pipeline/image_match.hpp"
+#include "daemon/pipeline/latest_value.hpp"
 #include "daemon/setup/sensor_id.hpp"
 #include "drivers/measurement/camera_frame.hpp"
 #include "fusion/features/sweep_view.hpp"
@@ -61,8 +61,7 @@ struct ViewImage {
 };
 
 /// The latest sweep and images, from the fusion thread to somebody who looks. Nothing is copied
-/// while nobody does, and the fusion thread never waits: it leaves out what the other side is
-/// taking at that moment.
+/// while nobody does, and the fusion thread never waits.
 class ViewTap {
  public:
   static constexpr size_t kMaxPoints = 40'000;
@@ -87,17 +86,14 @@ class ViewTap {
   size_t cameras() const { return images_.size(); }
 
  private:
-  template <class Value>
-  struct Slot {
-    Value value;
-    bool fresh = false;
-    bool with_returns = false;
+  struct Images {
+    LatestValue<ViewImage> latest;
+    std::atomic<bool> with_returns = false;
   };
 
   std::atomic<bool> wanted_ = false;
-  std::mutex mutex_;
-  Slot<ViewSweep> sweep_;
-  std::vector<Slot<ViewImage>> images_;
+  LatestValue<ViewSweep> sweep_;
+  std::vector<Images> images_;  // by CameraIndex
 };
 
 /// Quantises the returns of a sweep: every n-th, so that at most `max_points` remain.

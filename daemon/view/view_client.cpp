@@ -1,8 +1,10 @@
 #include "daemon/view/view_client.hpp"
 
+#include <algorithm>
 #include <boost/asio/buffer.hpp>
 #include <boost/beast/core/buffers_to_string.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
+#include <utility>
 
 namespace infuse::daemon {
 namespace {
@@ -10,9 +12,8 @@ namespace {
 namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 
-constexpr size_t kMaxQueue = 256;        // number of messages
-constexpr size_t kMaxBinaryWaiting = 8;  // a sweep, the map, and what five cameras have at once
-constexpr size_t kMaxCommand = 1024;     // bytes
+constexpr size_t kMaxQueue = 256;     // number of messages
+constexpr size_t kMaxCommand = 1024;  // bytes
 constexpr std::chrono::seconds kHandshake{10}, kIdle{30};
 
 }  // namespace
@@ -37,11 +38,14 @@ void ViewClient::accept(Request request) {
 
 void ViewClient::send(const Message& message) {
   if (!open_ || ended_) return;
-  if (queue_.size() >= kMaxQueue || (message->binary && binary_waiting_ >= kMaxBinaryWaiting)) {
+  const auto waiting = std::find_if(
+      queue_.begin() + (writing_ ? 1 : 0), queue_.end(),
+      [&](const Message& one) { return message->binary() && one->key == message->key; });
+  if (waiting != queue_.end()) *waiting = message;
+  if (waiting != queue_.end() || queue_.size() >= kMaxQueue) {
     ++lost_;
     return;
   }
-  binary_waiting_ += message->binary ? 1 : 0;
   queue_.push_back(message);
   write();
 }
@@ -49,12 +53,11 @@ void ViewClient::send(const Message& message) {
 void ViewClient::write() {
   if (writing_ || ended_ || queue_.empty()) return;
   writing_ = true;
-  socket_.binary(queue_.front()->binary);
+  socket_.binary(queue_.front()->binary());
   socket_.async_write(boost::asio::buffer(queue_.front()->data),
                       [self = shared_from_this()](beast::error_code error, size_t) {
                         self->writing_ = false;
                         if (error) return self->end();
-                        self->binary_waiting_ -= self->queue_.front()->binary ? 1 : 0;
                         self->queue_.pop_front();
                         if (self->lost_ > 0 && self->queue_.size() < kMaxQueue / 2) {
                           const uint64_t lost = std::exchange(self->lost_, 0);

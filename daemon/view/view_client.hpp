@@ -16,7 +16,11 @@ namespace infuse::daemon {
 /// A message for pages, shared by all that get it.
 struct ViewMessage {
   std::string data;
-  bool binary = false;
+  /// Of a binary message, "sweep:0" …: of those with one key only the newest is of use. Empty:
+  /// text.
+  std::string key{};
+
+  bool binary() const { return !key.empty(); }
 };
 
 /// One open page: a WebSocket with a queue of bounded size.
@@ -38,8 +42,8 @@ class ViewClient : public std::enable_shared_from_this<ViewClient> {
   /// Answers the request for a WebSocket.
   void accept(Request request);
 
-  /// Queues a message. A page that does not keep up loses it, and gets the number of lost messages
-  /// when it reads again. Binary messages are lost while eight of them wait.
+  /// Queues a message; a binary one in place of one with its key that waits. A page that does not
+  /// keep up loses messages, and gets their number when it reads again.
   void send(const Message& message);
 
   void close();
@@ -58,7 +62,6 @@ class ViewClient : public std::enable_shared_from_this<ViewClient> {
   Request request_;
   boost::beast::flat_buffer buffer_;
   std::deque<Message> queue_;
-  size_t binary_waiting_ = 0;
   uint64_t lost_ = 0;
   bool profiles_wanted_ = false;
   bool writing_ = false;

@@ -68,6 +68,11 @@ const ViewFile* find_file(std::string_view path) {
   return nullptr;
 }
 
+/// Of the frames of a lidar or camera (see `ViewMessage::key`).
+std::string key_of(const char* kind, size_t index) {
+  return std::string(kind) + ":" + std::to_string(index);
+}
+
 std::string_view text_of(beast::string_view text) { return {text.data(), text.size()}; }
 
 using Response = http::response<http::string_body>;
@@ -352,13 +357,13 @@ class ViewServer::Impl {
     if (clients_.empty()) return;
     if (tap_.swap_sweep(sweep_)) {
       send_map();
-      keep_frame("sweep", sweep_.lidar, send_all(encode_sweep(sweep_, rig_)));
+      keep_frame(send_all(key_of("sweep", sweep_.lidar), encode_sweep(sweep_, rig_)));
     }
     for (size_t camera = 0; camera < tap_.cameras(); ++camera) {
       const bool profile = profile_due(camera);
       if (!tap_.swap_image(CameraIndex(camera), image_, profile)) continue;
       if (!camera::encode_jpeg(image_.frame, kJpegQuality, jpeg_)) continue;
-      keep_frame("image", camera, send_all(encode_image(image_, jpeg_, rig_)));
+      keep_frame(send_all(key_of("image", camera), encode_image(image_, jpeg_, rig_)));
       if (profile && !image_.returns.empty()) send_profile(camera);
     }
     timer_.expires_after(kFramePeriod);
@@ -368,8 +373,8 @@ class ViewServer::Impl {
   }
 
   /// The last of each lidar and camera, for who opens a page when a replay does not go on.
-  void keep_frame(const char* kind, size_t index, ViewClient::Message message) {
-    if (control_) last_frames_[{kind, index}] = std::move(message);
+  void keep_frame(const ViewClient::Message& message) {
+    if (control_) last_frames_[message->key] = message;
   }
 
   bool profile_due(size_t camera) const {
@@ -380,8 +385,8 @@ class ViewServer::Impl {
 
   /// Sends the profiles of the image in hand to the pages that show them.
   void send_profile(size_t camera) {
-    const auto message =
-        std::make_shared<const ViewMessage>(ViewMessage{profiler_.encode(image_), true});
+    const auto message = std::make_shared<const ViewMessage>(
+        ViewMessage{profiler_.encode(image_), key_of("profile", camera)});
     for (const auto& client : clients_) {
       if (client->profiles_wanted()) client->send(message);
     }
@@ -394,11 +399,12 @@ class ViewServer::Impl {
     const Eigen::Vector2d at = sweep_.map->T_map_vehicle.translation().head<2>();
     if (last_map_ && (at - map_middle_).norm() < kMapStep) return;
     map_middle_ = at;
-    last_map_ = send_all(encode_map(*map_, at, sweep_.stamp));
+    last_map_ = send_all("map", encode_map(*map_, at, sweep_.stamp));
   }
 
-  ViewClient::Message send_all(std::string data) {
-    auto message = std::make_shared<const ViewMessage>(ViewMessage{std::move(data), true});
+  ViewClient::Message send_all(std::string key, std::string data) {
+    auto message =
+        std::make_shared<const ViewMessage>(ViewMessage{std::move(data), std::move(key)});
     for (const auto& client : clients_) client->send(message);
     return message;
   }
@@ -424,8 +430,8 @@ class ViewServer::Impl {
   std::atomic<size_t> viewer_bytes_ = 0;  // posted to this thread
   std::atomic<uint64_t> viewer_dropped_ = 0;
   ReportStore reports_{kMaxStoredReports};
-  std::map<std::pair<std::string, size_t>, ViewClient::Message> last_frames_;  // by kind and index
-  ViewClient::Message ended_;  // null: the drive goes on
+  std::map<std::string, ViewClient::Message> last_frames_;  // by key
+  ViewClient::Message ended_;                               // null: the drive goes on
   ViewClient::Message last_map_;
   Eigen::Vector2d map_middle_ = Eigen::Vector2d::Zero();  // of that, m, map frame
   ViewSweep sweep_;  // memory that is used again, as the next two

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -109,6 +110,26 @@ TEST(ViewFrames, SweepsAreQuantisedToCentimetres) {
     EXPECT_EQ(frame.reflectivity(i), i % 2 == 0 ? 0 : 255);
   }
   EXPECT_FALSE(tap.swap_sweep(out));  // taken
+}
+
+TEST(LatestValue, TheNewestIsNeverLeftOutAndNoneIsSeenTwice) {
+  constexpr int kCount = 200'000;
+  LatestValue<std::array<int, 8>> latest;
+  std::array<int, 8> out{};
+  EXPECT_FALSE(latest.take(out));
+  std::jthread writer([&] {
+    for (int k = 1; k <= kCount; ++k) {
+      latest.next().fill(k);
+      latest.publish();
+    }
+  });
+  for (int seen = 0; seen < kCount;) {
+    if (!latest.take(out)) continue;
+    ASSERT_GT(out[0], seen);
+    ASSERT_THAT(out, testing::Each(out[0]));
+    seen = out[0];
+  }
+  EXPECT_FALSE(latest.take(out));
 }
 
 TEST(ViewFrames, SweepsCarryThePlaceOnTheMap) {
@@ -366,6 +387,27 @@ TEST_F(ViewServerTest, ASlowPageLosesMessagesAndIsTold) {
   EXPECT_TRUE(told);
 }
 
+TEST_F(ViewServerTest, ASlowPageGetsTheNewestSweep) {
+  const auto server = start();
+  Page slow = open(*server), quick = open(*server);
+  read(slow);
+  read(quick);
+  SmallSweep large(ViewTap::kMaxPoints);
+  std::string last;
+  for (int k = 0; k < 60; ++k) {  // 19 MB, beyond what sockets hold; then the replay is held
+    large.at.reference += 1ms;
+    tap_.add_sweep(large.snapshot(), nullptr);
+    last = Frame(read(quick)).header["stamp"];
+  }
+  ASSERT_EQ(last, std::to_string(large.at.reference.ns()));
+  server->publish(ReportClass::kHealth, "{}");
+  std::string seen;
+  for (std::string message; message != "{}"; message = read(slow)) {
+    if (!message.empty() && slow.got_binary()) seen = Frame(message).header["stamp"];
+  }
+  EXPECT_EQ(seen, last);
+}
+
 TEST_F(ViewServerTest, PagesAreLimited) {
   settings_.max_clients = 2;
   const auto server = start();
@@ -425,7 +467,6 @@ TEST_F(ViewServerTest, ProfilesGoToThePagesThatAsk) {
   const SmallSweep small(3);
   const Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();
   const ImageMatch match{image, small.snapshot(), T_camera_lidar};
-  // The tap leaves out what comes while the server is at it: images come again and again.
   std::jthread camera([&](std::stop_token stop) {
     for (; !stop.stop_requested(); std::this_thread::sleep_for(10ms)) {
       tap_.add_sweep(small.snapshot(), nullptr);  // what comes at once is not taken for a slow page
