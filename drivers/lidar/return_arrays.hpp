@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -20,16 +19,6 @@ struct Return {
   int32_t time_offset_ns = 0;
   ReturnKind return_kind = ReturnKind::kStrongest;
 };
-
-/// Coordinates and range of a return of a beam through the origin: azimuth (rad, clockwise) and
-/// elevation (rad). For decoders that are simple rather than fast.
-inline Return polar_return(double range, double azimuth, double elevation) {
-  const double flat = range * std::cos(elevation);
-  return {.x = static_cast<float>(flat * std::cos(azimuth)),
-          .y = static_cast<float>(-flat * std::sin(azimuth)),
-          .z = static_cast<float>(range * std::sin(elevation)),
-          .range = static_cast<float>(range)};
-}
 
 /// The arrays of a sweep, with room for `kReturnSlack` returns beyond the last.
 struct ReturnArrays {

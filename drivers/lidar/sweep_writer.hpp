@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
+#include "drivers/lidar/azimuth.hpp"
 #include "drivers/lidar/firing_plan.hpp"
 #include "drivers/lidar/return_arrays.hpp"
 #include "drivers/measurement/sweep.hpp"
@@ -17,6 +19,13 @@ namespace infuse::lidar {
 ///     size_t size = writer.size();
 ///     for (each return) arrays.set(size++, ...);
 ///     writer.set_size(size, last_firing_ns);
+///
+/// or, where it need not be fast:
+///
+///     for (each sequence) {
+///       writer.add_sequence(sequence, device_ns, 1);
+///       for (each return) writer.add_return(ring, range, elevation);
+///     }
 class SweepWriter {
  public:
   /// Place of a firing sequence in the sweep.
@@ -48,6 +57,21 @@ class SweepWriter {
     last_step_ = planned.step;
     last_sequence_ns_ = place.time_offset_ns;
     return place;
+  }
+
+  /// Adds a return of the last sequence, which consists of one firing at its start: its range (m)
+  /// and the elevation (rad) of its beam, which passes through the origin. For decoders that are
+  /// simple rather than fast.
+  void add_return(uint16_t ring, double range, double elevation) {
+    const double azimuth = last_azimuth_ * kCentidegree, flat = range * std::cos(elevation);
+    make_room(1).set(size_, {.x = static_cast<float>(flat * std::cos(azimuth)),
+                             .y = static_cast<float>(-flat * std::sin(azimuth)),
+                             .z = static_cast<float>(range * std::sin(elevation)),
+                             .range = static_cast<float>(range),
+                             .ring = ring,
+                             .column = static_cast<uint16_t>(sweep_->columns - 1),
+                             .time_offset_ns = static_cast<int32_t>(last_sequence_ns_)});
+    set_size(size_ + 1, 0);
   }
 
   /// The sweep's arrays, with room for so many returns more.

@@ -33,22 +33,14 @@ struct Decoder final : lidar::LidarDecoder {
 
   void append(const lidar::HeldPacket& packet, const lidar::FiringPlan& plan, size_t first,
               size_t last, lidar::SweepWriter& writer) override {
-    const lidar::ReturnArrays arrays = writer.make_room((last - first) * kBeams);
-    size_t size = writer.size();
     for (size_t i = first; i < last; ++i) {
       const auto& planned = plan.sequences[i];
-      const auto place = writer.add_sequence(planned, packet.device_ns + planned.time_ns, 1);
+      writer.add_sequence(planned, packet.device_ns + planned.time_ns, 1);
       for (uint16_t beam = 0; beam < kBeams; ++beam) {
         const int cm = lidar::read_u16(&packet.payload[kHeader + i * kBlock + 2 + 2 * beam]);
-        auto found =
-            lidar::polar_return(cm * 0.01, planned.azimuth * lidar::kCentidegree, 0.1 * beam - 0.2);
-        found.ring = beam;
-        found.column = place.column;
-        found.time_offset_ns = place.time_offset_ns;
-        if (cm > 0) arrays.set(size++, found);
+        if (cm > 0) writer.add_return(beam, cm * 0.01, 0.1 * beam - 0.2);
       }
     }
-    writer.set_size(size, 0);
   }
 };
 
