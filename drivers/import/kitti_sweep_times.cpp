@@ -44,6 +44,44 @@ struct WrongTurns {
   }
 };
 
+/// The turns whose stamps agree; notes name the others.
+std::vector<std::optional<TurnTimes>> check_turns(const fs::path& folder, const Times& starts,
+                                                  const Times& middles, const Times& ends,
+                                                  std::vector<Error>& notes) {
+  WrongTurns incomplete{folder.string() + "/timestamps*.txt", "not all stamps of a turn are given"};
+  WrongTurns reversed{(folder / "timestamps_end.txt").string(),
+                      "the end is not within a second after the start"};
+  WrongTurns outside{(folder / "timestamps.txt").string(),
+                     "the middle is not between start and end"};
+  WrongTurns disordered{(folder / "timestamps_start.txt").string(),
+                        "the turn starts before the one before it"};
+  const size_t count = std::max({starts.size(), middles.size(), ends.size()});
+  std::vector<std::optional<TurnTimes>> turns(count);
+  Stamp last_start = Stamp::earliest();
+  for (size_t k = 0; k < count; ++k) {
+    const auto start = at(starts, k), end = at(ends, k);
+    auto middle = at(middles, k);
+    if (!start && !end && !middle) continue;  // a missing sweep
+    if (start && end && middles.empty()) middle = *start + (*end - *start) / 2;
+    if (!start || !end || !middle) {
+      incomplete.add(k);
+    } else if (*end <= *start || *end - *start > kMaxTurn) {
+      reversed.add(k);
+    } else if (*middle < *start || *middle > *end) {
+      outside.add(k);
+    } else if (*start <= last_start) {
+      disordered.add(k);
+    } else {
+      turns[k] = {*start, *middle, *end};
+      last_start = *start;
+    }
+  }
+  for (const WrongTurns* wrong : {&incomplete, &reversed, &outside, &disordered}) {
+    wrong->append(notes);
+  }
+  return turns;
+}
+
 }  // namespace
 
 Result<std::vector<std::optional<TurnTimes>>> read_kitti_turn_times(const fs::path& folder,
@@ -73,40 +111,11 @@ Result<std::vector<std::optional<TurnTimes>>> read_kitti_turn_times(const fs::pa
                      "each turn is taken as centred on its stamp in timestamps.txt"});
   }
 
-  const bool has_middles = !middles.empty();
-  if (!has_middles) {
+  if (middles.empty()) {
     notes.push_back({"timestamps.txt is missing", folder.string(),
                      "the middle of a turn is taken as half way from its start to its end"});
   }
-  WrongTurns incomplete{folder.string() + "/timestamps*.txt", "not all stamps of a turn are given"};
-  WrongTurns reversed{end_file.string(), "the end is not within a second after the start"};
-  WrongTurns outside{middle_file.string(), "the middle is not between start and end"};
-  WrongTurns disordered{start_file.string(), "the turn starts before the one before it"};
-  const size_t count = std::max({starts.size(), middles.size(), ends.size()});
-  std::vector<std::optional<TurnTimes>> turns(count);
-  Stamp last_start = Stamp::earliest();
-  for (size_t k = 0; k < count; ++k) {
-    const auto start = at(starts, k), end = at(ends, k);
-    auto middle = at(middles, k);
-    if (!start && !end && !middle) continue;  // a missing sweep
-    if (start && end && !has_middles) middle = *start + (*end - *start) / 2;
-    if (!start || !end || !middle) {
-      incomplete.add(k);
-    } else if (*end <= *start || *end - *start > kMaxTurn) {
-      reversed.add(k);
-    } else if (*middle < *start || *middle > *end) {
-      outside.add(k);
-    } else if (*start <= last_start) {
-      disordered.add(k);
-    } else {
-      turns[k] = {*start, *middle, *end};
-      last_start = *start;
-    }
-  }
-  for (const WrongTurns* wrong : {&incomplete, &reversed, &outside, &disordered}) {
-    wrong->append(notes);
-  }
-  return turns;
+  return check_turns(folder, starts, middles, ends, notes);
 }
 
 }  // namespace infuse::importers

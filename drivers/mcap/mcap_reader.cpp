@@ -211,50 +211,56 @@ bool McapReader::next(Message& message) {
            "the messages before it are read");
       return false;
     }
-    switch (static_cast<Opcode>(record->opcode)) {
-      case Opcode::kSchema:
-        read_schema(record->content);
-        break;
-      case Opcode::kChannel:
-        read_channel(record->content);
-        break;
-      case Opcode::kMessage:
-        if (read_message(record->content, message)) return true;
-        break;
-      case Opcode::kChunk:
-        if (in_chunk) {
-          ++counters_.damaged_records;
-          break;
-        }
-        ++counters_.chunks;
-        if (!read_chunk(record->content)) ++counters_.damaged_chunks;
-        break;
-      case Opcode::kMetadata:
-        read_metadata(record->content);
-        break;
-      case Opcode::kAttachment:
-        ++counters_.attachments;
-        break;
-      case Opcode::kDataEnd:
-      case Opcode::kFooter:
-        if (in_chunk) {
-          ++counters_.damaged_records;
-        } else {
-          end_data(record->content, position);
-        }
-        break;
-      case Opcode::kHeader:
-      case Opcode::kMessageIndex:
-      case Opcode::kChunkIndex:
-      case Opcode::kAttachmentIndex:
-      case Opcode::kStatistics:
-      case Opcode::kMetadataIndex:
-      case Opcode::kSummaryOffset:
-        break;
-      default:
-        ++counters_.unknown_records;
-    }
+    if (read_record(*record, in_chunk, position, message)) return true;
   }
+}
+
+bool McapReader::read_record(const Record& record, bool in_chunk, size_t position,
+                             Message& message) {
+  const std::span<const uint8_t> content = record.content;
+  switch (static_cast<Opcode>(record.opcode)) {
+    case Opcode::kSchema:
+      read_schema(content);
+      break;
+    case Opcode::kChannel:
+      read_channel(content);
+      break;
+    case Opcode::kMessage:
+      return read_message(content, message);
+    case Opcode::kChunk:
+      if (in_chunk) {
+        ++counters_.damaged_records;
+        break;
+      }
+      ++counters_.chunks;
+      if (!read_chunk(content)) ++counters_.damaged_chunks;
+      break;
+    case Opcode::kMetadata:
+      read_metadata(content);
+      break;
+    case Opcode::kAttachment:
+      ++counters_.attachments;
+      break;
+    case Opcode::kDataEnd:
+    case Opcode::kFooter:
+      if (in_chunk) {
+        ++counters_.damaged_records;
+      } else {
+        end_data(content, position);
+      }
+      break;
+    case Opcode::kHeader:
+    case Opcode::kMessageIndex:
+    case Opcode::kChunkIndex:
+    case Opcode::kAttachmentIndex:
+    case Opcode::kStatistics:
+    case Opcode::kMetadataIndex:
+    case Opcode::kSummaryOffset:
+      break;
+    default:
+      ++counters_.unknown_records;
+  }
+  return false;
 }
 
 void McapReader::append_notes(std::vector<Error>& notes) const {

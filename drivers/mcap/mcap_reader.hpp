@@ -83,6 +83,7 @@ class McapReader {
   McapReader(std::span<const uint8_t> bytes, std::string name)
       : bytes_(bytes), name_(std::move(name)) {}
   static std::optional<Record> split_record(std::span<const uint8_t>& rest);
+  bool read_record(const Record& record, bool in_chunk, size_t position, Message& message);
   bool read_chunk(std::span<const uint8_t> content);
   bool read_message(std::span<const uint8_t> content, Message& message);
   void read_schema(std::span<const uint8_t> content);
