@@ -25,6 +25,7 @@
 #include "daemon/tools/calibrate/calibration_run.hpp"
 #include "drivers/measurement/angles.hpp"
 #include "fusion/geometry/extrinsic_error.hpp"
+#include "tests/bench/quantile.hpp"
 #include "tests/bench/rendered_drive.hpp"
 #include "tests/study/calibration/compared_measures.hpp"
 
@@ -88,12 +89,6 @@ Outcome run(const ScenePairs& pairs, const NamedMeasure& measure, const Eigen::I
           .translation = error.translation,
           .result = done->result,
           .cpu_s = done->cpu_s};
-}
-
-double quantile(std::vector<double> values, double fraction) {
-  std::sort(values.begin(), values.end());
-  return values[std::min(values.size() - 1,
-                         static_cast<size_t>(fraction * static_cast<double>(values.size())))];
 }
 
 /// Convergence from initial poses within ± 10° and 10 cm: the share that converges (0.1°, 3 cm),
