@@ -27,7 +27,7 @@ Marginals sum_marginals(std::span<const double> table, size_t bins_x, size_t bin
 }
 
 bool is_entropy_measure(Measure which) {
-  return which != Measure::kChiSquared && which != Measure::kSquaredLossMutualInformation;
+  return which == Measure::kMutualInformation || which == Measure::kNormalisedMutualInformation;
 }
 
 }  // namespace
