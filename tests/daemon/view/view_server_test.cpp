@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <array>
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -17,8 +16,7 @@
 #include <filesystem>
 #include <thread>
 
-#include "daemon/protocol/json.hpp"
-#include "daemon/view/view_frames.hpp"
+#include "tests/daemon/view/small_sweep.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace infuse::daemon {
@@ -29,183 +27,12 @@ namespace beast = boost::beast;
 using asio::ip::tcp;
 using namespace std::chrono_literals;
 
-Rig rig() {
-  Rig out;
-  LidarMount lidar{.name = "top"};
-  lidar.T_vehicle_lidar.translation() = Eigen::Vector3d(0.5, 0, 1.8);
-  out.lidars = {lidar};
-  CameraMount camera{.name = "front", .lidar = "top"};
-  camera.intrinsics = {.width = 4, .height = 2, .fx = 3, .fy = 3, .cx = 2, .cy = 1};
-  out.cameras = {camera};
-  return out;
-}
-
-/// A sweep of `count` returns at (i, −i, 1) cm · 10.
-struct SmallSweep {
-  explicit SmallSweep(size_t count) {
-    sweep.resize(count);
-    at.x.resize(count);
-    at.y.resize(count);
-    at.z.resize(count);
-    for (size_t i = 0; i < count; ++i) {
-      at.x[i] = 0.1F * static_cast<float>(i);
-      at.y[i] = -0.1F * static_cast<float>(i);
-      at.z[i] = 0.1F;
-      sweep.reflectivity[i] = i % 2 == 0 ? 0.0F : 1.0F;
-      sweep.ring[i] = static_cast<uint16_t>(i);
-    }
-    at.reference = Stamp::from_ns(1'700'000'000'123'456'789);
-  }
-  SweepSnapshot snapshot() const { return {LidarIndex(0), sweep, at}; }
-  Sweep sweep;
-  motion::DeskewedSweep at;
-};
-
-/// A binary message, read as the page does.
-struct Frame {
-  explicit Frame(const std::string& data) : bytes(data) {
-    uint32_t length = 0;
-    std::memcpy(&length, bytes.data(), 4);
-    header = Json::parse(bytes.substr(4, length));
-    payload = 4 + length;
-  }
-  int16_t coordinate(size_t axis, size_t i) const {
-    int16_t value = 0;
-    std::memcpy(&value, bytes.data() + payload + 2 * (axis * points() + i), 2);
-    return value;
-  }
-  uint8_t reflectivity(size_t i) const {
-    return static_cast<uint8_t>(bytes[payload + 6 * points() + i]);
-  }
-  size_t points() const { return header["points"].get<size_t>(); }
-  std::string bytes;
-  Json header;
-  size_t payload = 0;
-};
-
-TEST(ViewFrames, SweepsAreQuantisedToCentimetres) {
-  const SmallSweep small(5);
-  ViewTap tap(0);
-  tap.add_sweep(small.snapshot(), nullptr);
-  ViewSweep out;
-  EXPECT_FALSE(tap.swap_sweep(out));  // nobody looked
-  tap.set_wanted(true);
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.translation().x() = 7;
-  tap.add_sweep(small.snapshot(), &T);
-  ASSERT_TRUE(tap.swap_sweep(out));
-  const Frame frame(encode_sweep(out, rig()));
-  EXPECT_EQ(frame.payload % 8, 0u);
-  EXPECT_EQ(frame.header["kind"], "sweep");
-  EXPECT_EQ(frame.header["device"], "top");
-  EXPECT_EQ(frame.header["stamp"], "1700000000123456789");
-  EXPECT_EQ(frame.header["T_vehicle_lidar"][3], 0.5);
-  EXPECT_EQ(frame.header["T_odom_vehicle"][3], 7.0);
-  ASSERT_EQ(frame.points(), 5u);
-  EXPECT_EQ(frame.bytes.size(), frame.payload + 8 * 5);
-  for (size_t i = 0; i < 5; ++i) {
-    EXPECT_EQ(frame.coordinate(0, i), 10 * static_cast<int>(i));
-    EXPECT_EQ(frame.coordinate(1, i), -10 * static_cast<int>(i));
-    EXPECT_EQ(frame.coordinate(2, i), 10);
-    EXPECT_EQ(frame.reflectivity(i), i % 2 == 0 ? 0 : 255);
-  }
-  EXPECT_FALSE(tap.swap_sweep(out));  // taken
-}
-
-TEST(LatestValue, TheNewestIsNeverLeftOutAndNoneIsSeenTwice) {
-  constexpr int kCount = 200'000;
-  LatestValue<std::array<int, 8>> latest;
-  std::array<int, 8> out{};
-  EXPECT_FALSE(latest.take(out));
-  std::jthread writer([&] {
-    for (int k = 1; k <= kCount; ++k) {
-      latest.next().fill(k);
-      latest.publish();
-    }
-  });
-  for (int seen = 0; seen < kCount;) {
-    if (!latest.take(out)) continue;
-    ASSERT_GT(out[0], seen);
-    ASSERT_THAT(out, testing::Each(out[0]));
-    seen = out[0];
-  }
-  EXPECT_FALSE(latest.take(out));
-}
-
-TEST(ViewFrames, SweepsCarryThePlaceOnTheMap) {
-  ViewTap tap(0);
-  tap.set_wanted(true);
-  ViewMapPose pose;
-  pose.T_map_vehicle.translation() = Eigen::Vector3d(100, 200, 0);
-  pose.covariance << 4, 1, 1, 9;
-  pose.particles = {{1.04F, 2.06F}, {-3, 4}};
-  tap.add_sweep(SmallSweep(3).snapshot(), nullptr, &pose);
-  ViewSweep out;
-  ASSERT_TRUE(tap.swap_sweep(out));
-  const Frame frame(encode_sweep(out, rig()));
-  EXPECT_EQ(frame.header["T_map_vehicle"][7], 200.0);
-  EXPECT_EQ(frame.header["covariance_map"], Json({4.0, 1.0, 9.0}));
-  EXPECT_EQ(frame.header["particles"], Json({1.0, 2.1, -3.0, 4.0}));
-}
-
-TEST(ViewFrames, TheStreetMapIsSentAroundAPoint) {
-  using streetmap::SegmentMap;
-  const streetmap::MapFrame place{.cell_size = 0.2, .min_corner = {1000, 2000}};
-  streetmap::SegmentMapWriter writer(place, 1, 1);
-  std::vector<uint32_t> ids(SegmentMap::kTileSize * SegmentMap::kTileSize, 0);
-  ids[10 * SegmentMap::kTileSize + 30] = 1;  // row 10, column 30: 0.2 m around (1006.1, 2002.1)
-  writer.set_tile(0, 0,
-                  std::span<const uint32_t, SegmentMap::kTileSize * SegmentMap::kTileSize>(
-                      ids.data(), ids.size()));
-  const std::vector<streetmap::Segment> segments{{}, {streetmap::SegmentKind::kBuilding, 7}};
-  const auto bytes = writer.finish(segments, "test");
-  ASSERT_TRUE(bytes);
-  const auto map = SegmentMap::open(*bytes, "test");
-  ASSERT_TRUE(map) << map.error().message();
-  // The middle of a cell of the message falls on that cell of the map.
-  const Frame frame(encode_map(*map, {1006.1 - 0.25, 2002.1 - 0.25}, Stamp::from_ns(5)));
-  EXPECT_EQ(frame.header["kind"], "map");
-  EXPECT_FALSE(frame.header.contains("origin_deg"));  // not georeferenced
-  const int columns = frame.header["columns"], rows = frame.header["rows"];
-  ASSERT_EQ(frame.bytes.size() - frame.payload, static_cast<size_t>(columns * rows));
-  for (int i = 0; i < columns * rows; ++i) {
-    const double x = frame.header["x"].get<double>() + 0.5 * (i % columns + 0.5);
-    const double y = frame.header["y"].get<double>() + 0.5 * (i / columns + 0.5);
-    const bool there = std::abs(x - 1006.1) < 0.1 && std::abs(y - 2002.1) < 0.1;
-    ASSERT_EQ(frame.bytes[frame.payload + static_cast<size_t>(i)], there ? 9 : 0) << x << ' ' << y;
-  }
-}
-
-TEST(ViewFrames, LargeSweepsAreThinnedAndFarReturnsClamped) {
-  SmallSweep large(3 * ViewTap::kMaxPoints + 1);
-  ViewPoints points;
-  quantise(large.snapshot(), ViewTap::kMaxPoints, points);
-  EXPECT_LE(points.size(), ViewTap::kMaxPoints);
-  EXPECT_GT(points.size(), ViewTap::kMaxPoints / 2);
-  EXPECT_EQ(points.x.back(), 32'767);
-  EXPECT_EQ(points.ring.back(), 255);
-  large.at.x[0] = std::numeric_limits<float>::infinity();
-  quantise(large.snapshot(), ViewTap::kMaxPoints, points);
-  EXPECT_EQ(points.x.front(), 32'767);
-}
-
-TEST(ViewFrames, ImagesCarryTheirModelAndAJpegFile) {
-  ViewImage image{.camera = CameraIndex(0)};
-  image.frame.width = 4;
-  image.frame.height = 2;
-  const Frame frame(encode_image(image, {0xff, 0xd8, 0xff}, rig()));
-  EXPECT_EQ(frame.header["kind"], "image");
-  EXPECT_EQ(frame.header["model"], "pinhole");
-  EXPECT_EQ(frame.header["fx"], 3.0);
-  EXPECT_EQ(frame.bytes.substr(frame.payload), "\xff\xd8\xff");
-}
-
 class ViewServerTest : public testing::Test {
  protected:
   using Page = beast::websocket::stream<tcp::socket>;
 
   std::unique_ptr<ViewServer> start(ReplayControl control = nullptr) {
-    auto server = ViewServer::start(settings_, rig(), nullptr, tap_, std::move(control));
+    auto server = ViewServer::start(settings_, small_rig(), nullptr, tap_, std::move(control));
     EXPECT_TRUE(server) << server.error().message();
     return *std::move(server);
   }
@@ -498,7 +325,7 @@ TEST_F(ViewServerTest, ProfilesGoToThePagesThatAsk) {
 TEST_F(ViewServerTest, ATakenPortIsAnError) {
   const auto server = start();
   settings_.port = server->port();
-  const auto second = ViewServer::start(settings_, rig(), nullptr, tap_, nullptr);
+  const auto second = ViewServer::start(settings_, small_rig(), nullptr, tap_, nullptr);
   ASSERT_FALSE(second);
   EXPECT_NE(second.error().message().find(std::to_string(server->port())), std::string::npos);
 }
