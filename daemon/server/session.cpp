@@ -101,7 +101,9 @@ void Session::answer_control(const Request& request) {
   }
   const Result<std::string> done = control_(request);
   if (done) return reply(AckReply{op, *done});
-  reply(ErrorReply{op, done.error().what, done.error().hint});
+  const Error& error = done.error();
+  const std::string where = error.where.empty() ? "" : error.where + ": ";
+  reply(ErrorReply{op, where + error.what, error.hint});
 }
 
 void Session::refuse(std::string what, std::string hint) {
