@@ -35,6 +35,9 @@ class McapRecording : public MessageSink {
   /// Writes what is held, the index and the summary.
   Result<void> close();
 
+  /// Why nothing more is written; empty: the file is written. From any thread.
+  std::string problem() const { return failed_ ? file_.error()->message() : ""; }
+
   /// Number of messages of each topic.
   const std::map<std::string, size_t>& messages() const { return file_.messages(); }
 

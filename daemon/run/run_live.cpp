@@ -106,6 +106,11 @@ int run_live(const RunOptions& options, const Config& config) {
   if (const auto& folder = recordings.directory(); !folder.empty()) {
     publisher.add_store([&folder] { return StoreStatus{"recordings", free_space(folder), ""}; });
   }
+  if (const McapRecording* file = messages->file.get()) {
+    publisher.add_store([file, folder = std::filesystem::absolute(options.mcap).parent_path()] {
+      return StoreStatus{"mcap", free_space(folder), file->problem()};
+    });
+  }
   publish_to_view(*view, publisher);
   start_messages(*messages, live.pipeline(), true);
   if (MqttFeed* feed = broker->get()) {

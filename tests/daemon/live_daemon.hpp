@@ -20,8 +20,10 @@ namespace infuse::daemon {
 /// A live daemon without sensors, whose state directory (`state`) can fail: tests/faults.
 class LiveDaemon {
  public:
-  /// Writes `folder`/infused.toml and starts with it.
-  LiveDaemon(const ScratchFolder& folder, const std::string& configuration) : folder_(folder) {
+  /// Writes `folder`/infused.toml and starts with it; `mcap`: the file of --mcap, if any.
+  LiveDaemon(const ScratchFolder& folder, const std::string& configuration,
+             const char* mcap = nullptr)
+      : folder_(folder) {
     std::filesystem::create_directories(folder / "state");
     folder.write("infused.toml", configuration);
     const std::string program = programs_folder() + "/infused";
@@ -32,7 +34,8 @@ class LiveDaemon {
     if (process_ != 0) return;
     static_cast<void>(std::freopen((folder / "log").c_str(), "w", stderr));
     ::execlp("env", "env", "ASAN_OPTIONS=verify_asan_link_order=0", preload.c_str(), state.c_str(),
-             program.c_str(), "--config", config.c_str(), "--socket", socket.c_str(), nullptr);
+             program.c_str(), "--config", config.c_str(), "--socket", socket.c_str(),
+             mcap == nullptr ? nullptr : "--mcap", mcap, nullptr);
     ::_exit(127);
   }
   ~LiveDaemon() {
