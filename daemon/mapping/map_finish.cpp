@@ -231,6 +231,32 @@ uint64_t count_at(const MapJson& json, const char* key) {
   return json.contains(key) && json[key].is_number_unsigned() ? json[key].get<uint64_t>() : 0;
 }
 
+/// Writes the files of a finished map; the manifest, which holds their checksums, is the last.
+Result<void> write_files(const MapFolder& folder, const MapDrive& drive,
+                         const std::vector<mapping::Keyframe>& keyframes,
+                         const mapping::EarthFit& fit, MapJson manifest) {
+  const std::vector<Eigen::Isometry3d> T_map_vehicle = poses_of(fit);
+  std::vector<std::pair<std::string, std::string>> files{
+      {map_file::kGraph, format_graph(fit.graph)}};
+  for (size_t d = 0; d < drive.first_keyframes.size(); ++d) {
+    const size_t end =
+        d + 1 < drive.first_keyframes.size() ? drive.first_keyframes[d + 1] : keyframes.size();
+    files.emplace_back(MapFolder::trajectory_name(d),
+                       format_trajectory(keyframes, T_map_vehicle, drive.first_keyframes[d], end));
+  }
+  for (const auto& [name, text] : files) {
+    if (auto written = folder.write(name, text); !written) return tl::unexpected(written.error());
+    manifest["files"][name] = text::checksum(text);
+  }
+  for (const char* earlier : {map_file::kDrive, map_file::kClosures}) {
+    const auto text = folder.read(earlier);
+    if (!text) return tl::unexpected(text.error());
+    manifest["files"][earlier] = text::checksum(*text);
+  }
+  return folder.write(map_file::kMap,
+                      manifest.dump(1, ' ', false, MapJson::error_handler_t::replace) + "\n");
+}
+
 }  // namespace
 
 Result<MapSummary> finish_map(const MapFolder& folder, const MapDrive& drive,
@@ -284,30 +310,12 @@ Result<MapSummary> finish_map(const MapFolder& folder, const MapDrive& drive,
   if (const char* wrong = unmeasured_reason(summary, settings); *wrong != '\0') {
     summary.reason = wrong;
   }
-  const std::vector<Eigen::Isometry3d> T_map_vehicle = poses_of(fit);
 
   MapJson manifest = drive.manifest;
   manifest["georeference"] = fit.georeferenced() ? georeference_json(origin) : MapJson(nullptr);
   manifest["outvoted_closures"] = outvoted;
   manifest["summary"] = to_json(summary);
-  std::vector<std::pair<std::string, std::string>> files{
-      {map_file::kGraph, format_graph(fit.graph)}};
-  for (size_t d = 0; d < summary.drives; ++d) {
-    const size_t end = d + 1 < summary.drives ? drive.first_keyframes[d + 1] : keyframes.size();
-    files.emplace_back(MapFolder::trajectory_name(d),
-                       format_trajectory(keyframes, T_map_vehicle, drive.first_keyframes[d], end));
-  }
-  for (const auto& [name, text] : files) {
-    if (auto written = folder.write(name, text); !written) return tl::unexpected(written.error());
-    manifest["files"][name] = text::checksum(text);
-  }
-  for (const char* earlier : {map_file::kDrive, map_file::kClosures}) {
-    const auto text = folder.read(earlier);
-    if (!text) return tl::unexpected(text.error());
-    manifest["files"][earlier] = text::checksum(*text);
-  }
-  const auto written = folder.write(
-      map_file::kMap, manifest.dump(1, ' ', false, MapJson::error_handler_t::replace) + "\n");
+  const auto written = write_files(folder, drive, keyframes, fit, std::move(manifest));
   if (!written) return tl::unexpected(written.error());
   return summary;
 }

@@ -68,6 +68,38 @@ std::string speed_text(const Json& message) {
   return fmt::format("{:.1f} m/s", message.value("speed", 0.0));
 }
 
+std::string sweep_text(const Json& message) {
+  return fmt::format(
+      "{} SWEEP {} #{}: {} returns in {:.1f} ms, mean range {:.1f} m, {} packets lost, {}\n",
+      time_text(message), text_of(message, "device"), message.value("sequence", uint64_t{0}),
+      message.value("returns", uint64_t{0}), message.value("span_s", 0.0) * 1e3,
+      message.value("mean_range", 0.0), message.value("lost_packets", uint64_t{0}),
+      message.value("deskewed", false)
+          ? fmt::format("deskewed ({:.2f} m, {:.1f}°)", message.value("travelled", 0.0),
+                        message.value("turned_deg", 0.0))
+          : "not deskewed: " + text_of(message, "deskew_reason"));
+}
+
+std::string frame_text(const Json& message) {
+  return fmt::format(
+      "{} FRAME {} #{}: {} × {}, {}\n", time_text(message), text_of(message, "device"),
+      message.value("sequence", uint64_t{0}), message.value("width", 0), message.value("height", 0),
+      message.contains("reason")
+          ? text_of(message, "reason")
+          : fmt::format("{} points of sweep #{} in view", message.value("points_in_view", 0),
+                        message.value("sweep", uint64_t{0})));
+}
+
+std::string pose_text(const Json& message) {
+  const auto T = message.value("T_frame_vehicle", std::vector<double>(16));
+  const std::string state = state_text(message);
+  return fmt::format("{} POSE in {}: ({:.2f}, {:.2f}) m, heading {:.1f}°{}\n", time_text(message),
+                     text_of(message, "frame"), T[3], T[7], std::atan2(T[4], T[0]) / kDegree,
+                     message.value("usable", false)
+                         ? ", " + speed_text(message) + state
+                         : state + ", not usable: " + text_of(message, "reason"));
+}
+
 }  // namespace
 
 std::string text_of(const Json& object, const char* key) {
@@ -200,36 +232,9 @@ std::string record_text(const Json& record) {
 
 std::string report_text(const Json& message) {
   const std::string name = text_of(message, "class");
-  if (name == "SWEEP") {
-    return fmt::format(
-        "{} SWEEP {} #{}: {} returns in {:.1f} ms, mean range {:.1f} m, {} packets lost, {}\n",
-        time_text(message), text_of(message, "device"), message.value("sequence", uint64_t{0}),
-        message.value("returns", uint64_t{0}), message.value("span_s", 0.0) * 1e3,
-        message.value("mean_range", 0.0), message.value("lost_packets", uint64_t{0}),
-        message.value("deskewed", false)
-            ? fmt::format("deskewed ({:.2f} m, {:.1f}°)", message.value("travelled", 0.0),
-                          message.value("turned_deg", 0.0))
-            : "not deskewed: " + text_of(message, "deskew_reason"));
-  }
-  if (name == "FRAME") {
-    return fmt::format(
-        "{} FRAME {} #{}: {} × {}, {}\n", time_text(message), text_of(message, "device"),
-        message.value("sequence", uint64_t{0}), message.value("width", 0),
-        message.value("height", 0),
-        message.contains("reason")
-            ? text_of(message, "reason")
-            : fmt::format("{} points of sweep #{} in view", message.value("points_in_view", 0),
-                          message.value("sweep", uint64_t{0})));
-  }
-  if (name == "POSE") {
-    const auto T = message.value("T_frame_vehicle", std::vector<double>(16));
-    const std::string state = state_text(message);
-    return fmt::format("{} POSE in {}: ({:.2f}, {:.2f}) m, heading {:.1f}°{}\n", time_text(message),
-                       text_of(message, "frame"), T[3], T[7], std::atan2(T[4], T[0]) / kDegree,
-                       message.value("usable", false)
-                           ? ", " + speed_text(message) + state
-                           : state + ", not usable: " + text_of(message, "reason"));
-  }
+  if (name == "SWEEP") return sweep_text(message);
+  if (name == "FRAME") return frame_text(message);
+  if (name == "POSE") return pose_text(message);
   if (name == "CALIBRATION") {
     return fmt::format("{} CALIBRATION {} {} ({} evaluations, {} scenes)\n", time_text(message),
                        text_of(message, "device"), text_of(message, "state"),

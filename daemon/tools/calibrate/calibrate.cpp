@@ -9,11 +9,13 @@
 
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/command_line/progress_line.hpp"
+#include "daemon/tools/calibrate/calibrate_arguments.hpp"
 #include "daemon/tools/calibrate/calibration_comparison.hpp"
 #include "daemon/tools/calibrate/calibration_format.hpp"
 #include "daemon/tools/calibrate/calibration_report.hpp"
 #include "daemon/tools/calibrate/calibration_run.hpp"
 #include "daemon/tools/calibrate/scene_preparation.hpp"
+#include "daemon/tools/calibrate/time_sigma.hpp"
 #include "drivers/measurement/angles.hpp"
 #include "drivers/recording/drive_toml.hpp"
 #include "drivers/recording/rigid_matrix.hpp"
@@ -23,89 +25,6 @@ namespace infuse::daemon {
 namespace {
 
 constexpr const char* kCalibrateProgram = "infuse calibrate";
-
-constexpr double kMaxScreenedDeg = 45;
-constexpr double kAnyHeadingDeg = 180;
-
-struct CalibrateArguments {
-  SceneRequest request;
-  std::vector<std::string> measures{"joint"};
-  std::string initial_pose;
-  std::vector<double> perturb{0, 0};  // deg, m
-  double within_deg = 3.5;
-  std::vector<double> intrinsics_sigma{0.2, 0.5, 0.005};  // %, px, of k1
-  double time_sigma_ms = 1;
-  std::vector<double> max_sigma{0.2, 0.05};  // deg, m
-  uint64_t seed = 1;
-  bool refine_intrinsics = false, refine_delay = false;
-  std::string compare;
-  std::string overlays;
-  std::string report;
-  std::string output;
-  bool json = false;
-};
-
-std::string measure_names() {
-  std::string names;
-  for (const auto& measure : calibration::named_measures()) {
-    names += (names.empty() ? "" : ", ") + std::string(measure.name);
-  }
-  return names;
-}
-
-calibration::KnownParameters known_parameters(const CalibrateArguments& arguments) {
-  return {.focal_sigma = arguments.intrinsics_sigma[0] / 100,
-          .principal_point_sigma = arguments.intrinsics_sigma[1],
-          .radial_sigma = arguments.intrinsics_sigma[2],
-          .time_sigma = from_seconds(1e-3 * std::clamp(arguments.time_sigma_ms, -1.0, 1e3))};
-}
-
-std::optional<std::string> find_usage_error(const CalibrateArguments& arguments) {
-  if (arguments.request.max_scenes < 1 || arguments.request.max_scenes > 1000) {
-    return "--scenes must be between 1 and 1000";
-  }
-  if (!(arguments.within_deg >= 0 && arguments.within_deg <= kMaxScreenedDeg) &&
-      arguments.within_deg != kAnyHeadingDeg) {
-    return "--within must be between 0 and 45, or be 180";
-  }
-  if (!(arguments.perturb[0] >= 0 && arguments.perturb[0] <= 45 && arguments.perturb[1] >= 0 &&
-        arguments.perturb[1] <= 10)) {
-    return "--perturb must be at most 45 degrees and 10 m";
-  }
-  if (!(arguments.max_sigma[0] > 0 && arguments.max_sigma[1] > 0)) {
-    return "--max-sigma must be positive";
-  }
-  if (const auto wrong = known_parameters(arguments).invalid()) {
-    return "--intrinsics-sigma, --time-sigma: " + *wrong;
-  }
-  if (arguments.refine_intrinsics && arguments.refine_delay) {
-    return "--refine-intrinsics and --refine-delay exclude each other";
-  }
-  if (arguments.refine_intrinsics || arguments.refine_delay) {
-    if (arguments.within_deg == kAnyHeadingDeg) {
-      return "--within 180 excludes --refine-intrinsics and --refine-delay: calibrate first, then "
-             "refine from --start RIG";
-    }
-    const std::string option = arguments.refine_delay ? "--refine-delay" : "--refine-intrinsics";
-    if (arguments.measures.size() > 1) return option + " takes one measure";
-    if (arguments.refine_delay && arguments.request.cameras.size() > 1) {
-      return option + " takes one camera";
-    }
-    if (!arguments.compare.empty()) {
-      return option +
-             " and --compare exclude each other: extrinsics are compared with the same intrinsics "
-             "and times";
-    }
-  }
-  if (!arguments.overlays.empty() && arguments.compare.empty()) {
-    return "--overlays needs --compare";
-  }
-  for (const std::string& name : arguments.measures) {
-    if (calibration::find_measure(name) != nullptr) continue;
-    return "unknown measure '" + name + "'; known: " + measure_names();
-  }
-  return std::nullopt;
-}
 
 /// T_camera_lidar of the reference camera, as a rig.toml states it.
 Result<Eigen::Isometry3d> read_rig_pose(const std::string& file, const ScenePairs& pairs) {
@@ -207,12 +126,13 @@ CalibrationKind kind_of(const CalibrateArguments& arguments) {
                                                 : CalibrationKind::kPose;
 }
 
-calibration::CalibrateOptions calibrate_options(const CalibrateArguments& arguments) {
+calibration::CalibrateOptions calibrate_options(const CalibrateArguments& arguments,
+                                                Duration time_sigma) {
   calibration::CalibrateOptions options;
   options.screen.half_width = arguments.within_deg * kDegree;
   options.seed = arguments.seed;
   options.splits = 4;
-  options.known = known_parameters(arguments);
+  options.known = known_parameters(arguments, time_sigma);
   options.max_rotation_sigma = arguments.max_sigma[0] * kDegree;
   options.max_translation_sigma = arguments.max_sigma[1];
   return options;
@@ -238,7 +158,7 @@ Result<PreparationOptions> prepare_for(const CalibrateArguments& arguments, cons
   for (const std::string& measure : arguments.measures) {
     out.measures.push_back(calibration::find_measure(measure));
   }
-  out.calibrate = calibrate_options(arguments);
+  out.calibrate = calibrate_options(arguments, default_time_sigma(pairs.cameras).sigma);
   out.kind = kind_of(arguments);
   out.draw = !arguments.report.empty() || !arguments.overlays.empty();
   return out;
@@ -267,6 +187,22 @@ void print(const CalibrateArguments& arguments, const ScenePairs& pairs,
 void keep_freed_memory() {
   mallopt(M_MMAP_THRESHOLD, 32 << 20);
   mallopt(M_TRIM_THRESHOLD, 256 << 20);
+}
+
+/// Writes the rig that was asked for, if the result is usable.
+int write_usable(const CalibrateArguments& arguments, const ScenePairs& pairs,
+                 const CalibrationRun& run) {
+  const bool usable = run.result.usable();
+  if (arguments.output.empty()) return usable ? kDone : kFailure;
+  if (!usable) {
+    std::cerr << kCalibrateProgram << ": " << arguments.output
+              << " not written: the result is not usable\n";
+    return kFailure;
+  }
+  if (auto written = write_rig(arguments, pairs, run); !written) {
+    return print_error(kCalibrateProgram, written.error(), kUnreadable);
+  }
+  return kDone;
 }
 
 int run(const CalibrateArguments& arguments) {
@@ -301,7 +237,12 @@ int run(const CalibrateArguments& arguments) {
     }
     return report_no_pairs(arguments, *pairs);
   }
-  if (arguments.refine_delay) leave_out_unknown_motion(*pairs);
+  if (arguments.refine_delay) {
+    leave_out_unknown_motion(*pairs);
+  } else if (const std::string note = default_time_sigma(pairs->cameras).note;
+             !arguments.time_sigma_ms && !note.empty()) {
+    pairs->notes.push_back(note);
+  }
   ScenePairs held_out;
   if (prepared->T_old) held_out = hold_out(*pairs);
   std::vector<CalibrationRun> runs;
@@ -322,16 +263,7 @@ int run(const CalibrateArguments& arguments) {
   line.clear();
   if (!compared) return print_error(kCalibrateProgram, compared.error(), kUnreadable);
   print(arguments, *pairs, runs, *compared);
-  const bool usable = runs.front().result.usable();
-  if (!arguments.output.empty() && usable) {
-    if (auto written = write_rig(arguments, *pairs, runs.front()); !written) {
-      return print_error(kCalibrateProgram, written.error(), kUnreadable);
-    }
-  } else if (!arguments.output.empty()) {
-    std::cerr << kCalibrateProgram << ": " << arguments.output
-              << " not written: the result is not usable\n";
-  }
-  return usable ? kDone : kFailure;
+  return write_usable(arguments, *pairs, runs.front());
 }
 
 }  // namespace
@@ -339,73 +271,7 @@ int run(const CalibrateArguments& arguments) {
 Command declare_calibrate(CLI::App& infuse) {
   CLI::App* app = add_tool(infuse, *find_tool("calibrate"));
   const auto arguments = std::make_shared<CalibrateArguments>();
-  app->add_option("DRIVE", arguments->request.drives, "drive folders of one rig")->required();
-  app->add_option(
-         "--camera", arguments->request.cameras,
-         "camera, if the rig has several; for a rig of cameras, names separated by commas: "
-         "the first is the reference camera, the others keep their pose relative to it")
-      ->delimiter(',')
-      ->type_name("NAME");
-  app->add_option("--lidar", arguments->request.lidar,
-                  "lidar (default: the one that the camera's extrinsics refer to)")
-      ->type_name("NAME");
-  app->add_option("--measure", arguments->measures,
-                  "measure of dependence to maximise (joint), one of " + measure_names() +
-                      "; several are compared, the first one gives the result")
-      ->type_name("NAME");
-  app->add_option("--scenes", arguments->request.max_scenes,
-                  "maximum number of images of each camera (20)")
-      ->type_name("N");
-  app->add_option("--start", arguments->initial_pose,
-                  "initial guess of T_camera_lidar: 16 numbers by row, or a rig.toml (default: the "
-                  "drive's extrinsics)")
-      ->type_name("MATRIX|RIG");
-  app->add_option("--within", arguments->within_deg,
-                  "maximum rotation error of the initial guess about each axis (3.5), at most 45; "
-                  "180: any heading, within 20 of upright and 0.9 m of the position")
-      ->type_name("DEG");
-  app->add_option(
-         "--perturb", arguments->perturb,
-         "perturb the initial guess at random by up to so many degrees and metres, to test "
-         "the convergence")
-      ->expected(2)
-      ->delimiter(',')
-      ->type_name("DEG,M");
-  app->add_option("--intrinsics-sigma", arguments->intrinsics_sigma,
-                  "standard deviations to which focal length, principal point and k1 are known: "
-                  "part of the stated covariance (0.2,0.5,0.005)")
-      ->expected(3)
-      ->delimiter(',')
-      ->type_name("PERCENT,PX,K1");
-  app->add_option("--time-sigma", arguments->time_sigma_ms,
-                  "standard deviation of the time between image and sweep, likewise (1)")
-      ->type_name("MS");
-  app->add_flag("--refine-intrinsics", arguments->refine_intrinsics,
-                "estimate focal length, principal point and k1 of every camera as well; not usable "
-                "where the scenes do not determine them");
-  app->add_flag(
-      "--refine-delay", arguments->refine_delay,
-      "estimate the delay of the camera's stamps as well, within 100 ms of what the drive "
-      "states; not usable where the motion does not determine it");
-  app->add_option("--max-sigma", arguments->max_sigma,
-                  "maximum stated standard deviations of a usable result (0.2,0.05)")
-      ->expected(2)
-      ->delimiter(',')
-      ->type_name("DEG,M");
-  app->add_option("--seed", arguments->seed, "seed of the random numbers (1)")->type_name("N");
-  app->add_option("--compare", arguments->compare,
-                  "compare the result with the extrinsics of a rig.toml, on as many further images "
-                  "that are held out")
-      ->type_name("RIG");
-  app->add_option("--overlays", arguments->overlays,
-                  "of --compare: write returns over images with both, side by side, as a PNG image")
-      ->type_name("FILE");
-  app->add_option("--report", arguments->report, "write a report with images: DIR/index.html")
-      ->type_name("DIR");
-  app->add_option("-o,--output", arguments->output,
-                  "write the rig with the result, if the result is usable")
-      ->type_name("rig.toml");
-  app->add_flag("--json", arguments->json, "print the result as one JSON object");
+  declare_arguments(*app, *arguments);
   set_examples(*app, {"infuse calibrate drive/ --camera front -o rig.toml",
                       "infuse calibrate monday/ tuesday/ --compare old.toml --report report/"});
   return {app, [arguments] { return run(*arguments); }};

@@ -255,6 +255,20 @@ std::string checks_text(const CalibrationRun& run, const ScenePairs& pairs) {
   return text;
 }
 
+void add_covariances(const CalibrationRun& run, Json& json) {
+  const calibration::CalibrationResult& result = run.result;
+  json["covariance"] = rows_json(result.covariance());
+  json["covariance_of_scenes"] = rows_json(result.uncertainty.covariance);
+  json["covariance_of_bias"] = rows_json(result.uncertainty.bias_covariance);
+  const auto largest = calibration::largest_parts(parts_of(run));
+  for (size_t axis = 0; axis < largest.size(); ++axis) {
+    json["largest_uncertainty"][kSigmaAxes[axis]] = {{"cause", largest[axis].name},
+                                                     {"share", rounded(largest[axis].share)}};
+  }
+  json["covariance_of_motion"] = rows_json(run.motion.covariance);
+  json["cramer_rao_bound"] = rows_json(result.uncertainty.cramer_rao_bound);
+}
+
 }  // namespace
 
 Json to_json(const CalibrationRun& run, const ScenePairs& pairs) {
@@ -286,18 +300,7 @@ Json to_json(const CalibrationRun& run, const ScenePairs& pairs) {
     json["T_camera_lidar"] = by_row(result.T_refcam_lidar.matrix());
     json["change_from_initial"] = error_json(moved);
   }
-  if (result.uncertainty.usable()) {
-    json["covariance"] = rows_json(result.covariance());
-    json["covariance_of_scenes"] = rows_json(result.uncertainty.covariance);
-    json["covariance_of_bias"] = rows_json(result.uncertainty.bias_covariance);
-    const auto largest = calibration::largest_parts(parts_of(run));
-    for (size_t axis = 0; axis < largest.size(); ++axis) {
-      json["largest_uncertainty"][kSigmaAxes[axis]] = {{"cause", largest[axis].name},
-                                                       {"share", rounded(largest[axis].share)}};
-    }
-    json["covariance_of_motion"] = rows_json(run.motion.covariance);
-    json["cramer_rao_bound"] = rows_json(result.uncertainty.cramer_rao_bound);
-  }
+  if (result.uncertainty.usable()) add_covariances(run, json);
   for (size_t c = 0; result.has_pose && c < pairs.cameras.size() && pairs.cameras.size() > 1; ++c) {
     json["cameras"].push_back(
         {{"name", pairs.cameras[c].name},

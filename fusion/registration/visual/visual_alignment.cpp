@@ -57,6 +57,25 @@ std::vector<Match> match(const CameraKeypoints& target, const CameraKeypoints& s
   return matches;
 }
 
+/// The matches between the cameras that see the same; `matches`: of each pair of cameras, by row.
+Correspondences corresponding_points(const std::vector<CameraKeypoints>& there,
+                                     const std::vector<CameraKeypoints>& here,
+                                     const std::vector<std::vector<Match>>& matches,
+                                     const ConsensusMatrix& consensus) {
+  const Eigen::Index cameras = consensus.rows();
+  Correspondences pairs;
+  for (Eigen::Index i = 0; i < cameras; ++i) {
+    for (Eigen::Index j = 0; j < cameras; ++j) {
+      if (consensus(i, j) == 0) continue;
+      for (const Match& m : matches[static_cast<size_t>(i * cameras + j)]) {
+        pairs.target.push_back(there[static_cast<size_t>(i)].points[m.target]);
+        pairs.source.push_back(here[static_cast<size_t>(j)].points[m.source]);
+      }
+    }
+  }
+  return pairs;
+}
+
 }  // namespace
 
 std::optional<std::string> VisualAlignmentOptions::invalid() const {
@@ -98,16 +117,7 @@ Result<VisualAlignment> align_by_keypoints(const CameraLidarScan& target,
   const std::vector<ConsensusMatrix> ideal = ideal_consensus(mounts);
   if (!ideal.empty()) out.consensus = ideal[nearest_consensus(out.measured, ideal)];
 
-  Correspondences pairs;
-  for (Eigen::Index i = 0; i < cameras; ++i) {
-    for (Eigen::Index j = 0; j < cameras; ++j) {
-      if (out.consensus(i, j) == 0) continue;
-      for (const Match& m : matches[static_cast<size_t>(i * cameras + j)]) {
-        pairs.target.push_back(there[static_cast<size_t>(i)].points[m.target]);
-        pairs.source.push_back(here[static_cast<size_t>(j)].points[m.source]);
-      }
-    }
-  }
+  const Correspondences pairs = corresponding_points(there, here, matches, out.consensus);
   out.matches = pairs.size();
   out.bootstrap = find_rigid_consensus(pairs, options.consensus);
   if (!out.bootstrap.usable()) {
