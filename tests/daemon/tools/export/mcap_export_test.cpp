@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "daemon/ros/report_messages.hpp"
-#include "drivers/camera/png_encoder.hpp"
 #include "drivers/gnss/gnss_csv.hpp"
 #include "drivers/import/bag.hpp"
 #include "drivers/import/bag_import.hpp"
@@ -14,24 +12,18 @@
 #include "drivers/recording/drive_source.hpp"
 #include "drivers/recording/imu_csv.hpp"
 #include "drivers/recording/speed_csv.hpp"
-#include "drivers/recording/sweep_export.hpp"
 #include "drivers/recording/sweep_files.hpp"
-#include "drivers/recording/times_csv.hpp"
 #include "drivers/text/text_file.hpp"
 #include "fixtures/encoders/encoders.hpp"
 #include "fixtures/scene/capture.hpp"
 #include "tests/daemon/run_program.hpp"
+#include "tests/daemon/tools/export/exported_drive.hpp"
 #include "tests/folders.hpp"
 #include "tests/real_data.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace infuse::daemon {
 namespace {
-
-namespace fs = std::filesystem;
-
-constexpr Duration kHalfSecond{500'000'000};
-constexpr int64_t kStart = 1'700'000'600'000'000'000;  // of a fixture's capture
 
 struct TimedBytes {
   int64_t stamp;
@@ -161,93 +153,6 @@ void expect_same_after_round_trip(const fs::path& drive, const ScratchFolder& fo
   }
 }
 
-Eigen::Isometry3d make_motion(double angle) {
-  return Eigen::Translation3d(1.25, -angle, 1.8) *
-         Eigen::AngleAxisd(angle, Eigen::Vector3d(1, 2, -1).normalized());
-}
-
-/// A sweep as another lidar's driver delivers it: 16 rings, 60 columns, times by column.
-Sweep make_sweep(int64_t stamp) {
-  constexpr size_t kRings = 16, kColumns = 60;
-  Sweep sweep;
-  sweep.stamp = Stamp::from_ns(stamp);
-  sweep.rings = kRings;
-  sweep.columns = kColumns;
-  sweep.resize(kRings * kColumns);
-  for (size_t i = 0; i < sweep.size(); ++i) {
-    const auto ring = static_cast<uint16_t>(i % kRings);
-    const auto column = static_cast<uint16_t>(i / kRings);
-    const float azimuth = -0.1f * column;
-    sweep.x[i] = 8 * std::cos(azimuth);
-    sweep.y[i] = 8 * std::sin(azimuth);
-    sweep.z[i] = 0.2f * static_cast<float>(ring) - 1.5f;
-    sweep.range[i] =
-        std::sqrt(sweep.x[i] * sweep.x[i] + sweep.y[i] * sweep.y[i] + sweep.z[i] * sweep.z[i]);
-    sweep.reflectivity[i] = static_cast<float>(i % 100) / 100;
-    sweep.ring[i] = ring;
-    sweep.column[i] = column;
-    sweep.time_offset_ns[i] = column * 1'500'000 + ring * 1000;
-    sweep.return_kind[i] = ReturnKind::kBoth;
-  }
-  return sweep;
-}
-
-/// A drive of a second: an HDL-32E with packets, another lidar with sweeps, a camera that refers to
-/// it, speed, inertial unit and GNSS.
-void write_drive(const fs::path& drive) {
-  recording::DriveDescription description;
-  description.rig.lidars = {{.name = "rear", .T_vehicle_lidar = make_motion(0.3)},
-                            {.name = "top", .model = "HDL-32E", .T_vehicle_lidar = make_motion(1)}};
-  description.lidars = {{.sweeps = "rear"}, {.packets = "top.pcap"}};
-  CameraMount camera{.name = "left", .lidar = "rear", .T_camera_lidar = make_motion(2)};
-  camera.intrinsics = {.width = 4, .height = 2, .fx = 3, .fy = 3.5, .cx = 1.25, .cy = 0.75};
-  camera.intrinsics.distortion = {0.1, -0.2, 0.003, 0.004, 0.5};
-  camera.stamp_delay_sigma = Duration(3'000'000);
-  camera.readout = Duration(-18'000'000);
-  description.rig.cameras = {camera};
-  description.cameras = {{.images = "left"}};
-  description.speed = "speed.csv";
-  description.imu = "imu.csv";
-  description.gnss = "gnss.csv";
-
-  fs::create_directories(drive / "rear");
-  fs::create_directories(drive / "left");
-  ASSERT_TRUE(fixtures::make_capture(drive / "top.pcap", {.duration = Duration(500'000'000)}));
-  std::vector<recording::TimesRow> rows;
-  std::vector<Stamp> exposures;
-  std::vector<WheelOdometry> speeds;
-  std::vector<ImuSample> imu;
-  std::vector<GnssFix> fixes;
-  CameraFrame frame{.width = 4, .height = 2, .format = PixelFormat::kBgr8};
-  for (int k = 0; k < 4; ++k) {
-    const Stamp stamp = Stamp::from_ns(kStart + k * 100'000'000);
-    const Sweep sweep = make_sweep(stamp.ns());
-    const std::string name = "00000" + std::to_string(k);
-    ASSERT_TRUE(recording::export_sweep(sweep, drive / "rear" / (name + ".pcd"),
-                                        recording::SweepFormat::kPcd));
-    rows.push_back({.stamp = stamp, .end = stamp + Duration(sweep.time_offset_ns.back())});
-    frame.pixels.assign(24, static_cast<uint8_t>(k));
-    const auto png = camera::encode_png(frame);
-    ASSERT_TRUE(png);
-    ASSERT_TRUE(text::write_text(drive / "left" / (name + ".png"),
-                                 {reinterpret_cast<const char*>(png->data()), png->size()}));
-    exposures.push_back(stamp + Duration(50'000'001));
-    constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-    speeds.push_back({stamp, {kNan, kNan, kNan, kNan}, kNan, kNan, 1.1 * k});
-    imu.push_back({stamp + Duration(7), {0.1, 0.2 * k, 0.3}, {1, 2, 9.81}});
-    fixes.push_back({.stamp = stamp + Duration(9), .latitude = 0.85, .longitude = 0.14 + 1e-7 * k});
-    fixes.back().valid = k > 0;
-    fixes.back().speed = k == 0 ? kNan : k == 1 ? 0 : 11.1 + k;  // 0: no fix, 1: stands
-    fixes.back().course = k == 0 ? kNan : 3 * k + 0.3;           // 2 and 3: either side of north
-  }
-  ASSERT_TRUE(recording::write_times(drive / "rear" / "times.csv", rows));
-  ASSERT_TRUE(recording::write_times(drive / "left" / "times.csv", exposures));
-  ASSERT_TRUE(recording::write_speed_csv(drive / "speed.csv", speeds));
-  ASSERT_TRUE(recording::write_imu_csv(drive / "imu.csv", imu));
-  ASSERT_TRUE(gnss::write_gnss_csv(drive / "gnss.csv", fixes));
-  ASSERT_TRUE(recording::write_drive_toml(drive, description));
-}
-
 TEST(McapExport, SimulatedDriveIsTheSameAfterARoundTrip) {
   const ScratchFolder folder;
   write_drive(folder / "drive");
@@ -315,79 +220,6 @@ TEST(McapExport, RealKittiDriveIsDeskewedTheSameAfterARoundTrip) {
                       std::abs(before.z[i] - after.z[i])});
   }
   EXPECT_LT(worst, 2e-3F);  // m
-}
-
-TEST(McapExport, RecoveredFileHasTheMessagesOfTheCutOne) {
-  const ScratchFolder folder;
-  write_drive(folder / "drive");
-  const auto whole = export_mcap(folder / "drive", folder / "a.mcap", {});
-  ASSERT_TRUE(whole);
-  const std::string bytes = folder.read("a.mcap");
-  folder.write("cut.mcap", bytes.substr(0, bytes.size() * 9 / 10));
-  const auto recovered = recover_mcap(folder / "cut.mcap", folder / "whole.mcap");
-  ASSERT_TRUE(recovered) << recovered.error().message();
-  EXPECT_EQ(recovered->notes.size(), 1u);
-  EXPECT_FALSE(recover_mcap(folder / "cut.mcap", folder / "cut.mcap"));
-  EXPECT_FALSE(recover_mcap(folder / "drive/drive.toml", folder / "b.mcap"));
-  const auto bag = importers::open_bag(folder / "whole.mcap");
-  ASSERT_TRUE(bag);
-  std::map<std::string, size_t> messages;
-  importers::BagMessage message;
-  while ((*bag)->next(message)) ++messages[std::string(message.topic)];
-  EXPECT_EQ(messages, recovered->messages);
-  std::vector<Error> notes;
-  (*bag)->append_notes(notes);
-  EXPECT_TRUE(notes.empty());
-}
-
-TEST(McapExport, ReportsBecomePosesAndDiagnostics) {
-  const ScratchFolder folder;
-  write_drive(folder / "drive");
-  std::string covariance = "1e-4";
-  for (int k = 1; k < 36; ++k) covariance += k % 7 == 0 ? ",1e-4" : ",0";
-  const std::string pose =
-      R"(,"T_frame_vehicle":[1,0,0,5,0,1,0,6,0,0,1,0,0,0,0,1],"covariance":[)" + covariance +
-      R"(],"speed":3,"yaw_rate":0.1})";
-  folder.write(
-      "reports.jsonl",
-      R"({"class":"VERSION"})"
-      "\n" +
-          (R"({"class":"POSE","stamp":1700000600000000000,"frame":"odom","usable":true)" + pose) +
-          "\n" +
-          (R"({"class":"POSE","stamp":1700000600000000001,"frame":"map","usable":false)" + pose) +
-          "\n"
-          R"({"class":"ALERT","stamp":1700000600000000002,"id":"a","device":"top",)"
-          R"("severity":"WARN","state":"raised","since":1,"what":"w","advice":"d"})"
-          "\nnot a report\n");
-  const auto exported =
-      export_mcap(folder / "drive", folder / "a.mcap", {.reports = folder / "reports.jsonl"});
-  ASSERT_TRUE(exported) << exported.error().message();
-  EXPECT_EQ(exported->messages.at("/odometry/odom"), 1u);
-  EXPECT_EQ(exported->messages.at("/tf"), 1u);
-  EXPECT_EQ(exported->messages.at("/diagnostics"), 1u);
-  EXPECT_FALSE(exported->messages.contains("/odometry/map"));
-  ASSERT_EQ(exported->notes.size(), 1u);
-  EXPECT_EQ(exported->notes[0].what, "1 lines are not reports");
-}
-
-// Sampled: perturb a pose as the covariance says, and look how far the vehicle moves.
-TEST(McapExport, CovarianceIsThatOfTheVehiclesPosition) {
-  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
-  covariance(2, 2) = 1e-6;  // 1 mrad of heading about the origin of the frame
-  covariance(3, 3) = 1e-4;
-  const auto result = to_ros_covariance(covariance, {100, 0, 0});
-  EXPECT_NEAR(result[0 * 6 + 0], 1e-4, 1e-12);
-  EXPECT_NEAR(result[1 * 6 + 1], 1e-2, 1e-12);  // 0.1 m to the side at 100 m
-  EXPECT_NEAR(result[1 * 6 + 5], 1e-4, 1e-12);  // left with a turn to the left
-  EXPECT_NEAR(result[5 * 6 + 5], 1e-6, 1e-12);
-}
-
-TEST(McapExport, WhatCannotBeReadOrWrittenIsAnError) {
-  const ScratchFolder folder;
-  write_drive(folder / "drive");
-  EXPECT_FALSE(export_mcap(folder / "none", folder / "a.mcap", {}));
-  EXPECT_FALSE(export_mcap(folder / "drive", folder / "none/a.mcap", {}));
-  EXPECT_FALSE(export_mcap(folder / "drive", folder / "a.mcap", {.reports = folder / "none"}));
 }
 
 }  // namespace
