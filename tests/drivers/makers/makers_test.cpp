@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "drivers/makers/capture_survey.hpp"
 #include "drivers/velodyne/packet.hpp"
