@@ -48,7 +48,7 @@ IntrinsicsCovariance estimate_intrinsics_covariance(const Board& board,
   const int count = intrinsics_count(solution.camera.model);
   IntrinsicsCovariance out;
   freedom -= count;
-  if (!(freedom > 0)) return out;
+  if (!(freedom > 0) || eliminated.size() <= 3) return out;
   const double variance = squares / freedom;
   out.corner_noise = std::sqrt(variance);
   sum.bottomRightCorner<3, 3>().diagonal().array() += variance / (flatness * flatness);
@@ -71,7 +71,11 @@ IntrinsicsCovariance estimate_intrinsics_covariance(const Board& board,
     expected += variance * (share.trace() - (share * share).trace());
   }
   out.view_ratio = expected > 0 ? scores / expected : 1;
-  out.covariance = variance * std::max(1.0, out.view_ratio) * inverse.topLeftCorner(count, count);
+  // Variance of Student's t with a degree of freedom less than views.
+  const auto clusters = static_cast<double>(eliminated.size());
+  const double few = (clusters - 1) / (clusters - 3);
+  out.covariance =
+      variance * std::max(1.0, out.view_ratio) * few * inverse.topLeftCorner(count, count);
   return out;
 }
 

@@ -24,7 +24,8 @@ struct IntrinsicsCovariance {
 /// is a cluster. With the score g_v = A_vᵀ r_v of the eliminated equations A_v, H_v = A_vᵀ A_v and
 /// H = Σ H_v, independent corners have E[g_v g_vᵀ] = σ² (H_v − H_v H⁻¹ H_v); the ratio is
 /// Σ g_vᵀ H⁻¹ g_v / (σ² tr Σ (H⁻¹ H_v − (H⁻¹ H_v)²)) (Liang and Zeger 1986; Bell and McCaffrey
-/// 2002).
+/// 2002). As V views alone know it, the covariance is widened by (V − 1) / (V − 3), the variance of
+/// Student's t. Not determined with three views or fewer.
 IntrinsicsCovariance estimate_intrinsics_covariance(const Board& board,
                                                     std::span<const Corners> views,
                                                     const std::vector<bool>& used, double flatness,
