@@ -14,7 +14,7 @@ if(CMAKE_CROSSCOMPILING AND CMAKE_CROSSCOMPILING_EMULATOR)
   foreach(program infused infuse infuse-simulate infuse-make-capture infuse-send-capture)
     emulate(${program} ${CMAKE_RUNTIME_OUTPUT_DIRECTORY} ${INFUSE_PROGRAMS})
   endforeach()
-  foreach(tool align calibrate calibrate-target export fleet import map places)
+  foreach(tool align calibrate calibrate-intrinsics calibrate-target export fleet import map places)
     emulate(infuse-${tool} ${CMAKE_BINARY_DIR}/libexec/infuse ${INFUSE_PROGRAMS}/tools)
   endforeach()
   # A test program is asked for its tests when they are run, not after it was linked.

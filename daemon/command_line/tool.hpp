@@ -14,10 +14,11 @@ struct Tool {
 };
 
 /// The tools of the package infuse-tools.
-inline constexpr std::array<Tool, 8> kTools = {{
+inline constexpr std::array<Tool, 9> kTools = {{
     {"align", "find the pose of one sweep in another's frame"},
     {"calibrate",
      "estimate the pose of a camera relative to the lidar from drives, without targets"},
+    {"calibrate-intrinsics", "estimate the intrinsics of a camera from images of a checkerboard"},
     {"calibrate-target", "estimate the pose of a camera relative to the lidar from checkerboards"},
     {"export", "convert a drive to another format"},
     {"fleet", "pool the calibrations of many drives and vehicles, and find drift"},

@@ -144,7 +144,9 @@ Result<void> add_pairs(OpenDrive& drive, size_t camera, size_t count, const Scen
     if (frame->width != intrinsics.width || frame->height != intrinsics.height) {
       return fail(fmt::format("the image has {} x {} pixels, the rig states {} x {}", frame->width,
                               frame->height, intrinsics.width, intrinsics.height),
-                  images[k].path.string(), "intrinsics are valid for one image size only");
+                  images[k].path.string(),
+                  "intrinsics are valid for one image size only: infuse calibrate-intrinsics "
+                  "estimates those of another");
     }
     frame->stamp = images[k].stamp;
     if (!sweep.deskew_reason.empty()) ++not_deskewed[sweep.deskew_reason];

@@ -2,6 +2,7 @@
 
 #include <span>
 
+#include "drivers/camera/colour.hpp"
 #include "drivers/text/text_file.hpp"
 
 namespace infuse::daemon {
@@ -16,6 +17,15 @@ Result<CameraFrame> read_image(const std::filesystem::path& path,
     return fail(decoded.error().what, path.string(), decoded.error().hint);
   }
   return frame;
+}
+
+Result<CameraFrame> read_grey_image(const std::filesystem::path& path,
+                                    const std::optional<PixelFormat>& mosaic) {
+  auto frame = read_image(path, {.bayer = mosaic, .grey = !mosaic.has_value()});
+  if (!frame || frame->format == PixelFormat::kGrey8) return frame;
+  CameraFrame grey;
+  camera::to_grey(*frame, grey);
+  return grey;
 }
 
 Result<CameraFrame> read_scene_image(const std::filesystem::path& path,

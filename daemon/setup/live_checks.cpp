@@ -133,7 +133,9 @@ std::vector<Error> find_doubts(const Config& config, const Rig& rig) {
   for (const CameraOptions& camera : config.cameras) {
     if (rig.find_camera(camera.name) != nullptr) continue;
     doubts.push_back({"camera '" + camera.name + "' is not in the rig: its images are counted only",
-                      camera.source, "add it to rig.toml, see infused(8)"});
+                      camera.source,
+                      "add it to rig.toml, see infused(8); infuse calibrate-intrinsics writes its "
+                      "section"});
   }
   for (const LidarOptions& lidar : config.lidars) {
     if (config.rig.empty() || rig.find_lidar(lidar.name) != nullptr) continue;

@@ -13,6 +13,7 @@
 #include "daemon/command_line/tool.hpp"
 #include "daemon/tools/align/align.hpp"
 #include "daemon/tools/calibrate/calibrate.hpp"
+#include "daemon/tools/calibrate_intrinsics/calibrate_intrinsics.hpp"
 #include "daemon/tools/calibrate_target/calibrate_target.hpp"
 #include "daemon/tools/export/export.hpp"
 #include "daemon/tools/fleet/fleet.hpp"
@@ -32,6 +33,7 @@ struct Entry {
 constexpr std::array<Entry, infuse::daemon::kTools.size()> kEntries = {{
     {"align", infuse::daemon::declare_align},
     {"calibrate", infuse::daemon::declare_calibrate},
+    {"calibrate-intrinsics", infuse::daemon::declare_calibrate_intrinsics},
     {"calibrate-target", infuse::daemon::declare_calibrate_target},
     {"export", infuse::daemon::declare_export},
     {"fleet", infuse::daemon::declare_fleet},

@@ -17,6 +17,9 @@ struct Board {
   /// Returns what is wrong with the board, or nothing.
   std::optional<std::string> invalid() const;
 
+  /// Sets columns and rows from "7x5"; returns false if the text is anything else.
+  bool set_corners(const std::string& text);
+
   size_t corner_count() const { return static_cast<size_t>(columns) * static_cast<size_t>(rows); }
 
   /// Returns a corner in the board frame, m; indices run row by row.
@@ -24,6 +27,11 @@ struct Board {
 
   /// Centre of the board, m, board frame.
   Eigen::Vector3d middle() const;
+
+  /// Height over the plane per metre of bow along x, twist, and bow along y, at a place relative to
+  /// the middle and the half size, without the mean over the corners, which is part of the pose by
+  /// them.
+  Eigen::Vector3d bow_at(const Eigen::Vector2d& at) const;
 
   /// Half side lengths of the board along x and y, including the outermost squares, m.
   Eigen::Vector2d half_size() const;

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/calib3d.hpp>
 
+#include "fusion/target/initial_board_pose.hpp"
 #include "fusion/target/pose_parameter.hpp"
 
 namespace infuse::target {
@@ -15,38 +15,6 @@ using geometry::Matrix6;
 using geometry::Vector6;
 
 constexpr double kMaxRms = 2;  // px
-
-/// Initial pose by OpenCV from corners on the plane at unit distance, which needs no camera model.
-std::optional<Eigen::Isometry3d> estimate_initial_pose(const geometry::CameraModel& camera,
-                                                       const Board& board, const Corners& corners) {
-  std::vector<cv::Point3d> on_board;
-  std::vector<cv::Point2d> observed;
-  for (size_t i = 0; i < corners.size(); ++i) {
-    const auto ray = camera.unproject(corners[i]);
-    if (!ray || !(ray->z() > 0.05)) return std::nullopt;
-    const Eigen::Vector3d corner = board.corner(i) - board.middle();
-    on_board.emplace_back(corner.x(), corner.y(), corner.z());
-    observed.emplace_back(ray->x() / ray->z(), ray->y() / ray->z());
-  }
-  cv::Mat rvec, tvec;
-  try {
-    if (!cv::solvePnP(on_board, observed, cv::Mat::eye(3, 3, CV_64F), cv::noArray(), rvec, tvec,
-                      false, cv::SOLVEPNP_IPPE)) {
-      return std::nullopt;
-    }
-  } catch (const cv::Exception&) {
-    return std::nullopt;
-  }
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = geometry::rotation_exp({rvec.at<double>(0), rvec.at<double>(1), rvec.at<double>(2)});
-  T.translation() = Eigen::Vector3d(tvec.at<double>(0), tvec.at<double>(1), tvec.at<double>(2)) -
-                    T.linear() * board.middle();
-  if (!T.matrix().allFinite()) return std::nullopt;
-  for (size_t i = 0; i < corners.size(); ++i) {
-    if (!camera.project(T * board.corner(i))) return std::nullopt;
-  }
-  return T;
-}
 
 /// Reprojection error of one corner, pixels.
 class CornerCost : public ceres::SizedCostFunction<2, 6> {
@@ -81,7 +49,7 @@ std::optional<BoardPose> estimate_board_pose(const geometry::CameraModel& camera
                                              const Board& board, const Corners& corners,
                                              double corner_noise) {
   if (corners.size() != board.corner_count()) return std::nullopt;
-  const auto initial_pose = estimate_initial_pose(camera, board, corners);
+  const auto initial_pose = estimate_initial_board_pose(camera, board, corners);
   if (!initial_pose) return std::nullopt;
 
   const PoseParameter pose{*initial_pose};

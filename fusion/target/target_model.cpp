@@ -16,15 +16,6 @@ constexpr double kTail = 0.1;  // share of returns beyond "darkest" and "brighte
                                // two clusters, without their tails
 constexpr double kMinShift = 1e-6;  // m and rad; keeps an exact board's covariance invertible
 
-/// Bow and twist at a place of the board relative to its half size, without the mean over the
-/// corners, which is part of the pose by them.
-Eigen::Vector3d bow_at(const Eigen::Vector2d& at, const Board& board) {
-  // mean of x² over n evenly spaced corners that reach (n − 1) / (n + 1) of the half size
-  const auto mean = [](int n) { return (n - 1.0) / (3 * (n + 1.0)); };
-  return {at.x() * at.x() - mean(board.columns), at.x() * at.y(),
-          at.y() * at.y() - mean(board.rows)};
-}
-
 /// Derivative of a point by the distance from the axis (z) of where the beams cross.
 Eigen::Vector3d by_origin(const Eigen::Vector3d& point) {
   return {0, 0, -point.z() / std::hypot(point.x(), point.y())};
@@ -116,7 +107,7 @@ ViewEquations TargetModel::linearise(size_t index, const Eigen::Isometry3d& T) c
     row(kCommon) = -slope;
     row(kContrast) = -slope * contrast(seen.reflectivity);
     row(kScale) = -normal.dot(middle);
-    row.segment<3>(kBow) = -bow_at(on_board.cwiseQuotient(half), view.board);
+    row.segment<3>(kBow) = -view.board.bow_at(on_board.cwiseQuotient(half));
     row(kOrigin) = normal.dot(T.linear() * by_origin(seen.point));
     row.segment<3>(kShift) = BoardShift(-1, -on_board.x(), -on_board.y());
     row(kFirstBeam) = -slope;

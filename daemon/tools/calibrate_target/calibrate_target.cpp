@@ -128,13 +128,6 @@ std::string to_text(const TargetViews& views, const target::TargetCalibration& c
   return text;
 }
 
-/// Parses "7x5" into the board; false if the text is malformed.
-bool parse_board(const std::string& text, target::Board& board) {
-  int end = 0;
-  return std::sscanf(text.c_str(), "%dx%d%n", &board.columns, &board.rows, &end) == 2 &&
-         static_cast<size_t>(end) == text.size();
-}
-
 /// The drive's rig with the new extrinsics.
 Result<void> write_result(const CalibrateTargetArguments& arguments, const TargetViews& views,
                           const target::TargetResult& result) {
@@ -147,7 +140,7 @@ Result<void> write_result(const CalibrateTargetArguments& arguments, const Targe
 
 int run(CalibrateTargetArguments& arguments) {
   target::Board& board = arguments.size;
-  if (!parse_board(arguments.board, board)) {
+  if (!board.set_corners(arguments.board)) {
     return print_error(kCalibrateTargetProgram,
                        {"'" + arguments.board + "' is not COLSxROWS", "--board", "for example 7x5"},
                        kUsage);

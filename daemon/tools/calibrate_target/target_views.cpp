@@ -5,10 +5,10 @@
 #include <algorithm>
 
 #include "daemon/command_line/progress_line.hpp"
+#include "daemon/playback/list_images.hpp"
 #include "daemon/playback/play_lidar.hpp"
 #include "daemon/playback/read_image.hpp"
 #include "daemon/setup/drive_setup.hpp"
-#include "drivers/camera/colour.hpp"
 #include "drivers/recording/drive.hpp"
 #include "drivers/recording/drive_toml.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
@@ -26,25 +26,6 @@ struct StampedImageFile {
   Stamp stamp;
 };
 
-/// The camera of that name, or the only one.
-Result<size_t> find_camera(const Rig& rig, const std::string& name, const std::string& drive) {
-  std::string names;
-  for (size_t i = 0; i < rig.cameras.size(); ++i) {
-    if (rig.cameras[i].name == name || (name.empty() && rig.cameras.size() == 1)) return i;
-    names += (i == 0 ? "" : ", ") + rig.cameras[i].name;
-  }
-  return fail(name.empty() ? "there are several cameras" : "there is no camera '" + name + "'",
-              drive, "choose one with --camera: " + names);
-}
-
-Result<CameraFrame> read_grey(const StampedImageFile& image, const recording::CameraFiles& files) {
-  auto frame = read_image(image.path, {.bayer = files.mosaic, .grey = !files.mosaic.has_value()});
-  if (!frame || frame->format == PixelFormat::kGrey8) return frame;
-  CameraFrame grey;
-  camera::to_grey(*frame, grey);
-  return grey;
-}
-
 /// Finds boards in the images of one drive.
 class BoardFinder {
  public:
@@ -61,7 +42,7 @@ class BoardFinder {
     const auto folder = image.path.parent_path();
     const std::string name = fmt::format("{}/{}/{}", folder.parent_path().filename().string(),
                                          folder.filename().string(), image.path.stem().string());
-    const auto grey = read_grey(image, files_);
+    const auto grey = read_grey_image(image.path, files_.mosaic);
     if (!grey) return skip(grey.error().message());
     if (grey->width != camera_.intrinsics.width || grey->height != camera_.intrinsics.height) {
       return skip(fmt::format("{}: {} × {} pixels, the rig states {} × {}", name, grey->width,

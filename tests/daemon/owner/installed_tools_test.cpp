@@ -80,8 +80,10 @@ TEST_F(InstalledTools, AreListedByTheHelp) {
     const std::string tools = help.substr(std::min(help.find("\nTools:\n"), help.size()));
     EXPECT_THAT(tools, HasSubstr("\n  hello"));
     EXPECT_THAT(tools, HasSubstr("\n  map  "));
-    EXPECT_THAT(tools, HasSubstr("Not installed (package infuse-tools): align, calibrate, "
-                                 "calibrate-target, export, fleet, import, places\n"));
+    EXPECT_THAT(
+        tools,
+        HasSubstr("Not installed (package infuse-tools): align, calibrate, "
+                  "calibrate-intrinsics, calibrate-target, export, fleet, import, places\n"));
   }
   EXPECT_EQ(run("help").code, 0);
   EXPECT_EQ(run("").code, 2);

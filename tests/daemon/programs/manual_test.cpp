@@ -35,7 +35,7 @@ const std::vector<std::string> kCommands = {
     "map optimize",  "map",
     "map export",    "map merge",
     "map locate",    "fleet drive",
-    "fleet pool",
+    "fleet pool",    "calibrate-intrinsics",
 };
 
 std::string help_of(const std::string& program) {

@@ -1,0 +1,45 @@
+#include "daemon/tools/calibrate_intrinsics/intrinsics_rig.hpp"
+
+#include "daemon/playback/list_images.hpp"
+#include "drivers/recording/drive_toml.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+/// Lidar coordinates (x forward, y left, z up) to those of a camera beside it that looks forward.
+Eigen::Isometry3d looking_forward() {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  return T;
+}
+
+}  // namespace
+
+Result<Rig> with_intrinsics(Rig rig, const std::string& name, const CameraIntrinsics& intrinsics) {
+  const bool known = name.empty() ? !rig.cameras.empty() : rig.find_camera(name) != nullptr;
+  if (!known) {
+    if (rig.lidars.empty()) rig.lidars.push_back({.name = "lidar", .model = ""});
+    rig.cameras.push_back({.name = name.empty() ? "camera" : name,
+                           .intrinsics = intrinsics,
+                           .lidar = rig.lidars.front().name,
+                           .T_camera_lidar = looking_forward()});
+    return rig;
+  }
+  const auto camera = find_camera(rig, name, "the rig");
+  if (!camera) return tl::unexpected(camera.error());
+  rig.cameras[*camera].intrinsics = intrinsics;
+  return rig;
+}
+
+Result<void> write_intrinsics(const std::filesystem::path& path, const Rig& rig,
+                              const std::string& name, const CameraIntrinsics& intrinsics) {
+  std::error_code error;
+  const Result<Rig> before =
+      std::filesystem::exists(path, error) ? recording::read_rig(path) : Result<Rig>(rig);
+  if (!before) return tl::unexpected(before.error());
+  const auto after = with_intrinsics(*before, name, intrinsics);
+  if (!after) return tl::unexpected(after.error());
+  return recording::write_rig(path, *after);
+}
+
+}  // namespace infuse::daemon

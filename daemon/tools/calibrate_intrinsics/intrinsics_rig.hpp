@@ -1,0 +1,20 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "drivers/measurement/error.hpp"
+#include "drivers/measurement/rig.hpp"
+
+namespace infuse::daemon {
+
+/// A rig with the intrinsics of its camera `name`, or of its only one if `name` is empty. A camera
+/// that is not in the rig is added ("camera" without a name), looking forward from the rig's first
+/// lidar; a rig without a lidar gets one. Errors: there are several cameras, and no name.
+Result<Rig> with_intrinsics(Rig rig, const std::string& name, const CameraIntrinsics& intrinsics);
+
+/// Writes `with_intrinsics` of the rig that the file holds, or of `rig` if there is no file.
+Result<void> write_intrinsics(const std::filesystem::path& path, const Rig& rig,
+                              const std::string& name, const CameraIntrinsics& intrinsics);
+
+}  // namespace infuse::daemon
