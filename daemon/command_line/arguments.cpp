@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <numeric>
+#include <regex>
 #include <utility>
 #include <vector>
 
@@ -43,6 +44,41 @@ std::optional<Error> find_wrong_subcommand(const CLI::App& app, const std::strin
                                                      : "--help lists the commands"};
 }
 
+/// The name of a program with that of the sub-command that was given: "infuse evaluate".
+std::string name_with_subcommand(const CLI::App& app, const char* program) {
+  std::string name = std::filesystem::path(program).filename().string();
+  for (const CLI::App* at = &app; !at->get_subcommands().empty();) {
+    at = at->get_subcommands().front();
+    name += " " + at->get_name();
+  }
+  return name;
+}
+
+/// The items of "first->1,none->0": "first, none".
+std::string items_of(const std::string& list) {
+  return std::regex_replace(std::regex_replace(list, std::regex("->[^,]*"), ""), std::regex(","),
+                            ", ");
+}
+
+/// What CLI11 says, as a sentence of ours.
+std::string sentence_of(const std::string& said) {
+  std::smatch match;
+  if (std::regex_match(said, match, std::regex(R"((\S+): (.*) not in \{([^}]*)\}.*)")) ||
+      std::regex_match(said, match, std::regex(R"((\S+): Check (.*) value in \{([^}]*)\}.*)"))) {
+    return match.str(1) + " must be one of " + items_of(match.str(3)) + ", not '" + match.str(2) +
+           "'";
+  }
+  if (std::regex_match(said, match, std::regex(R"((\S+): (.*) unit not recognized.*\{(.*)\})"))) {
+    return match.str(1) + " has the unknown unit '" + match.str(2) +
+           "'; known: " + items_of(match.str(3));
+  }
+  if (std::regex_match(said, match,
+                       std::regex("The following arguments? w.* not expected: (.*)"))) {
+    return "unknown argument: " + match.str(1);
+  }
+  return said == "A subcommand is required" ? "no command is given" : said;
+}
+
 }  // namespace
 
 std::optional<int> parse_arguments(CLI::App& app, int argc, char** argv) {
@@ -51,8 +87,9 @@ std::optional<int> parse_arguments(CLI::App& app, int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // help or version
     const auto wrong = find_wrong_subcommand(app, argc > 1 ? argv[1] : "-");
-    return print_error(std::filesystem::path(argv[0]).filename().string(),
-                       wrong.value_or(Error{error.what(), "", "--help lists the options"}), kUsage);
+    return print_error(
+        name_with_subcommand(app, argv[0]),
+        wrong.value_or(Error{sentence_of(error.what()), "", "--help lists the options"}), kUsage);
   }
   return std::nullopt;
 }

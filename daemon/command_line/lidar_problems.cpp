@@ -71,7 +71,7 @@ std::vector<LidarProblem> find_problems(const Device& device, const LidarCounter
                fmt::format("{} packets lost{}", c.lost_network, outages_text(c)));
   problems.add(c.duplicates > c.packets / 100, Level::kWarn,
                fmt::format("{} packets came twice, and were used once: they were captured at two "
-                           "places of their way, or two captures were joined",
+                           "points of the network, or two captures were joined",
                            c.duplicates));
   problems.add(c.stray_azimuths > 0, Level::kWarn,
                fmt::format("{} azimuths are impossible or out of line, and were interpolated",

@@ -53,7 +53,7 @@ Json calibration_json(const CalibrationReport& report, Level level) {
   return json;
 }
 
-/// "front: calibration CONFIRMED (ERROR): rotation about y, by +0.52 ± 0.03 ° (evidence …)".
+/// "front: calibration CONFIRMED (ERROR): rotation about y by +0.52 ± 0.03° (evidence …)".
 std::string monitoring_text(const CalibrationReport& report, Level level) {
   std::string text =
       fmt::format("  {}: calibration {} ({}), {}", report.camera, name_of(report.state),
@@ -65,7 +65,7 @@ std::string monitoring_text(const CalibrationReport& report, Level level) {
   if (verdict.drifting()) {
     text += "; drift: " + monitoring::describe_drift(verdict);
   } else if (report.evaluations > 0) {
-    text += fmt::format("; evidence of a drift {:.1f} of {:.1f} nats", verdict.evidence,
+    text += fmt::format("; evidence of a drift {:.1f}, threshold {:.1f} nats", verdict.evidence,
                         verdict.threshold);
   }
   if (report.proposal) text += "; a new calibration is proposed";

@@ -42,7 +42,7 @@ void read_milliseconds(TomlTable& table, std::string_view key, Duration& value) 
   table.read(key, milliseconds);
   if (!milliseconds) return;
   if (!(std::abs(*milliseconds) <= kMaxMilliseconds)) {
-    table.report_error(key, std::string(key) + " must lie within ±10000");
+    table.report_error(key, std::string(key) + " must be between -10000 and 10000");
   }
   value = from_seconds(*milliseconds / 1e3);
 }

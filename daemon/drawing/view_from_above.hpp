@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 #include <vector>
 
 #include "daemon/drawing/colour_scale.hpp"
@@ -13,7 +14,7 @@ inline constexpr double kSweepViewMetres = 40;
 
 /// What a colour means.
 struct ColourMeaning {
-  const char* name;
+  std::string name;
   Colour colour;
 };
 

@@ -18,7 +18,8 @@ constexpr Alert<HostStatus> kHostAlerts[] = {
                       "free space on its disk, or make it writable"};
      }},
     {{"system_clock", Level::kWarn, Delays::kBoth,
-      "Nothing keeps the host's clock: stamps of this vehicle do not agree with those of others. "
+      "The host's clock is not synchronised: stamps of this vehicle do not agree with those of "
+      "others. "
       "Install chrony, with rtcsync, or phc2sys."},
      [](const HostStatus& host) -> std::optional<Problem> {
        if (!host.clock || host.clock->synchronised) return {};

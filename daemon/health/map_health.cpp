@@ -7,14 +7,14 @@ namespace {
 
 constexpr Alert<MapStatus> kMapAlerts[] = {
     {{"not_on_map", Level::kWarn, Delays::kBoth,
-      "The vehicle is not found on the map of keyframes. Drive on where it was driven; check "
+      "The vehicle is not found on the map of keyframes. Drive on along streets of the map; check "
       "directory in [map], and the lidar's mount in rig.toml."},
      [](const MapStatus& status) -> std::optional<Problem> {
        if (status.state != places::LocaliserState::kLost) return {};
        return Problem{
            fmt::format("the vehicle is not found on the map: {}", status.reason),
-           "drive on, where the map has been driven; if it stays so, check that [map] names the "
-           "map of this place and that the lidar is mounted as rig.toml says"};
+           "drive on along streets of the map; if the alert stays, check that [map] names the map "
+           "of this place and that the lidar is mounted as rig.toml states"};
      }},
 };
 

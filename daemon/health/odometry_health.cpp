@@ -47,13 +47,14 @@ constexpr Alert<OdometryTick> kOdometryAlerts[] = {
                       "receiver with speed and course, or use_lidar in [odometry]"};
      }},
     {{"contradiction", Level::kWarn, Delays::kBoth,
-      "Most samples of a source are rejected, or for a moment more than chance explains. Wheels: "
+      "Most samples of a source are rejected, or more within a moment than chance explains. "
+      "Wheels: "
       "slip, or a tyre changed; GNSS: reflections; "
       "lidar: moving objects."},
      [](const OdometryTick& tick) -> std::optional<Problem> {
        if (tick.contradicting.empty()) return {};
        return Problem{
-           fmt::format("the motion carried by {} is contradicted by {}",
+           fmt::format("the motion measured by {} is contradicted by {}",
                        carriers(tick.status.sources, tick.contradicting), tick.contradicting),
            "wheels: slip, or a tyre changed; GNSS: reflections; lidar: moving objects"};
      }},

@@ -16,7 +16,7 @@ namespace infuse::daemon {
 /// One source of odometry. Plain data.
 struct OdometrySourceStatus {
   const char* name = "";  ///< one of `motion::kOdometrySourceNames`
-  bool carries = false;   ///< it carries the odometry now
+  bool carries = false;   ///< the odometry uses it now
   uint64_t accepted = 0;  ///< samples that were used
   uint64_t rejected = 0;  ///< samples rejected as inconsistent with the others
 };

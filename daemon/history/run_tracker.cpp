@@ -22,7 +22,7 @@ constexpr const char* kCrashNoteFile = "crash_note";
 
 /// "it was last seen 7 s ago". The clock may have been set back since, or was not set yet.
 std::string last_seen_text(Stamp last_seen, Stamp now) {
-  if (now < last_seen) return "when it was last seen is not known: the clock was set back";
+  if (now < last_seen) return "it is not known when it was last seen: the clock was set back";
   return fmt::format("it was last seen {:.0f} s ago", to_seconds(now - last_seen));
 }
 
@@ -89,7 +89,7 @@ void RunTracker::end_run(Stamp now) {
   const std::string text = format_state(state_);
   const receive::FileDescriptor file(::open(file_.c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW));
   if (!file || ::pwrite(file.get(), text.data(), text.size(), 0) < 0 || ::fsync(file.get()) != 0) {
-    spdlog::error("the next start will not know that this run ended by itself: {}", problem_);
+    spdlog::error("cannot save that this run ended by itself: {}", problem_);
   }
 }
 

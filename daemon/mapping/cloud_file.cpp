@@ -67,7 +67,7 @@ Result<mapping::Submap> parse_cloud_pcd(std::string_view bytes, const std::strin
     return fail("not a cloud of a map", name, "expected binary float32 x y z intensity");
   }
   if (bytes.size() - header->data_offset != header->points * kCloudPointBytes) {
-    return fail("the cloud is cut", name);
+    return fail("the cloud is truncated", name);
   }
   mapping::Submap cloud;
   cloud.resize(header->points);

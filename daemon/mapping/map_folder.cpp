@@ -109,7 +109,7 @@ Result<void> MapFolder::create() const {
          it.increment(error)) {
       const std::string name = it->path().filename().string();
       if (!is_map_file(name)) {
-        return fail("the folder holds '" + name + "', which is no part of a map", path_.string(),
+        return fail("the folder holds '" + name + "', which is not part of a map", path_.string(),
                     "choose a new folder");
       }
     }
@@ -228,7 +228,7 @@ Result<MapDrive> read_map_drive(const MapFolder& folder) {
   drive.fixes = *std::move(fixes);
   for (const MapFix& fix : drive.fixes) {
     if (fix.keyframe >= drive.keyframes.size()) {
-      return fail("a fix of a keyframe that is not there", folder.path_of(map_file::kFixes));
+      return fail("a fix of a keyframe that does not exist", folder.path_of(map_file::kFixes));
     }
   }
   return drive;

@@ -70,7 +70,7 @@ Result<MapRaster> MapImage::raster(MapImageContent content) const {
   return out;
 }
 
-Result<CameraFrame> MapImage::draw(MapImageContent content) const {
+Result<MapDrawing> MapImage::draw(MapImageContent content) const {
   const auto raster = this->raster(content);
   if (!raster) return tl::unexpected(raster.error());
   std::vector<float> values;
@@ -79,7 +79,8 @@ Result<CameraFrame> MapImage::draw(MapImageContent content) const {
   }
   constexpr double kLowest = 0.02, kHighest = 0.98;
   const float low = percentile(values, kLowest), high = percentile(values, kHighest);
-  CameraFrame image;
+  MapDrawing drawing{{}, low, high};
+  CameraFrame& image = drawing.image;
   image.width = static_cast<int>(raster->width);
   image.height = static_cast<int>(raster->height);
   image.format = PixelFormat::kGrey8;
@@ -88,7 +89,7 @@ Result<CameraFrame> MapImage::draw(MapImageContent content) const {
     image.pixels.push_back(std::isnan(value) ? uint8_t{0}
                                              : static_cast<uint8_t>(1 + std::lround(254 * share)));
   }
-  return image;
+  return drawing;
 }
 
 }  // namespace infuse::daemon

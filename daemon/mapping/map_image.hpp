@@ -23,6 +23,13 @@ struct MapRaster {
   std::vector<float> values;
 };
 
+/// A drawn raster: grey values from 1 for `low` to 255 for `high`, the 2nd and 98th percentile of
+/// its values; 0 without points.
+struct MapDrawing {
+  CameraFrame image;
+  float low = 0, high = 0;
+};
+
 /// View of a map from above, x to the right and y up (in a georeferenced map east and north): mean
 /// reflectivity, or height of the highest point, of each pixel.
 class MapImage {
@@ -38,9 +45,8 @@ class MapImage {
   /// Fails if there are no points or the image would have more than 64 million pixels.
   Result<MapRaster> raster(MapImageContent content) const;
 
-  /// Draws the raster: grey values from 1 to 255 between the 2nd and 98th percentile, 0 without
-  /// points.
-  Result<CameraFrame> draw(MapImageContent content) const;
+  /// Draws the raster.
+  Result<MapDrawing> draw(MapImageContent content) const;
 
  private:
   struct Pixel {

@@ -110,7 +110,7 @@ Result<void> parse_table(std::string_view text, std::string_view header, const s
   for (size_t line = 2; !text.empty(); ++line) {
     const size_t end = text.find('\n');
     if (end == std::string_view::npos) {
-      return fail("the last line is cut", name + ":" + std::to_string(line));
+      return fail("the last line is truncated", name + ":" + std::to_string(line));
     }
     Row row(text.substr(0, end));
     text.remove_prefix(end + 1);

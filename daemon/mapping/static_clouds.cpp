@@ -29,7 +29,7 @@ std::vector<size_t> keyframes_around(const std::vector<Eigen::Isometry3d>& T_map
 
 StaticClouds::StaticClouds(const MapFolder& folder, const MapContent& map)
     : folder_(folder), map_(map) {
-  static_assert(kMaxKeptViews > kMaxViews, "the views of one keyframe are kept together");
+  static_assert(kMaxKeptViews > kMaxViews, "a keyframe's views must be consecutive");
 }
 
 Result<const mapping::SubmapView*> StaticClouds::view_of(size_t k) {

@@ -196,7 +196,7 @@ class MqttPublisher::Worker {
   void announce_connection() {
     if (!client_ || !client_->connected() || announced_) return;
     client_->publish(status_topic(settings_), status(true, stats().lost), true);
-    log_->info("mqtt: connected to {}, {} reports wait", settings_.host, queue_.messages());
+    log_->info("mqtt: connected to {}, {} reports are queued", settings_.host, queue_.messages());
     announced_ = true;
     attempts_ = 0;
     failure_.clear();
@@ -209,7 +209,7 @@ class MqttPublisher::Worker {
     last_sent_ = 0;
     next_attempt_ = Clock::now() + retry_delay(attempts_++, settings_.vehicle);
     if (std::string text = why.message(); text != failure_) {
-      log_->warn("mqtt: {}; reports wait", text);
+      log_->warn("mqtt: {}; reports are queued", text);
       failure_ = std::move(text);
     }
   }

@@ -25,7 +25,7 @@ Result<Client> Client::connect(const std::filesystem::path& path) {
     auto greeting = client.next(kReplyTimeout);
     if (!greeting) return tl::unexpected(greeting.error());
     if (!*greeting || (*greeting)->value("class", "") != "VERSION") {
-      return fail(*greeting ? (*greeting)->value("what", "no greeting of infused")
+      return fail(*greeting ? (*greeting)->value("what", "no greeting from infused")
                             : "the daemon closed the connection",
                   candidate.string());
     }

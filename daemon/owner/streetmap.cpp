@@ -1,5 +1,6 @@
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <iostream>
@@ -7,6 +8,7 @@
 
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/command_line/progress_line.hpp"
+#include "daemon/drawing/plan_legend.hpp"
 #include "daemon/owner/commands.hpp"
 #include "daemon/protocol/json.hpp"
 #include "daemon/streetmap/street_map_file.hpp"
@@ -31,12 +33,6 @@ struct StreetMapArguments {
   bool json = false;
 };
 
-Result<void> write_image(const streetmap::SegmentMap& map, const std::string& path) {
-  const auto png = camera::encode_png(streetmap::draw_map(map));
-  if (!png) return tl::unexpected(png.error());
-  return recording::write_file_atomically(path, std::as_bytes(std::span(*png)));
-}
-
 /// Number of segments of each kind, without those that only mark streets on other levels.
 std::array<uint64_t, streetmap::kSegmentKindCount> count_kinds(const streetmap::SegmentMap& map) {
   std::array<uint64_t, streetmap::kSegmentKindCount> counts{};
@@ -46,6 +42,22 @@ std::array<uint64_t, streetmap::kSegmentKindCount> count_kinds(const streetmap::
     ++counts[static_cast<size_t>(segment.kind)];
   }
   return counts;
+}
+
+Result<void> write_image(const streetmap::SegmentMap& map, const std::string& path) {
+  CameraFrame image = streetmap::draw_map(map);
+  PlanLegend legend{map.columns() * map.frame().cell_size / std::max(1, image.width), true, {}};
+  const auto counts = count_kinds(map);
+  for (size_t kind = 1; kind < counts.size(); ++kind) {
+    const auto one = static_cast<streetmap::SegmentKind>(kind);
+    if (counts[kind] > 0) {
+      legend.colours.push_back({streetmap::name_of(one), streetmap::drawn_colour(one)});
+    }
+  }
+  add_legend(image, legend);
+  const auto png = camera::encode_png(image);
+  if (!png) return tl::unexpected(png.error());
+  return recording::write_file_atomically(path, std::as_bytes(std::span(*png)));
 }
 
 Json map_json(const StreetMapArguments& arguments, const streetmap::SegmentMap& map, size_t bytes,
@@ -186,7 +198,8 @@ Command declare_streetmap(CLI::App& infuse) {
   app->add_option("-o,--output", arguments->output, "street map to write")
       ->required()
       ->type_name("MAP");
-  app->add_option("--image", arguments->image, "write an image of the map too, ids in colour")
+  app->add_option("--image", arguments->image,
+                  "write an image of the map too, with a scale and a legend")
       ->type_name("FILE.png");
   app->add_option("--cell", arguments->cell, "edge length of a raster cell (0.2)")->type_name("M");
   app->add_option("--clip", arguments->clip, "use only this rectangle, degrees")

@@ -155,7 +155,7 @@ void describe(Visitor& v, const RecordReport& record) {
   v.field("frames", record.frames, "of buses");
   v.field("images", record.images);
   v.field("fixes", record.fixes);
-  v.field("lost", record.lost, "of all these, because processor or disk were too slow");
+  v.field("lost", record.lost, "of all these, because the processor or the disk was too slow");
   v.field("reason", unless_empty(record.reason), "why it ended by itself");
 }
 

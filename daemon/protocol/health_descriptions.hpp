@@ -10,7 +10,7 @@ namespace infuse::daemon {
 template <class Visitor>
 void describe(Visitor& v, const OdometrySourceStatus& source) {
   v.field("name", source.name);
-  v.field("carries", source.carries, "it carries the odometry now");
+  v.field("carries", source.carries, "the odometry uses it now");
   v.field("accepted", source.accepted, "samples used");
   v.field("rejected", source.rejected, "samples that contradict the others");
 }

@@ -63,7 +63,7 @@ void describe(Visitor& v, const DeviceHealth<LidarStatus>& sensor) {
   v.field("sweeps", c.sweeps, "Sweeps completed since the start.",
           counter("infuse_lidar_sweeps_total"));
   v.field("dropped_sweeps", c.dropped_sweeps,
-          "Sweeps not processed, because they came too late to it; live only.",
+          "Sweeps that were not processed, because the processor was too slow; live only.",
           counter("infuse_lidar_dropped_sweeps_total"));
   v.field("returns", c.returns, "Returns in the completed sweeps.",
           counter("infuse_lidar_returns_total"));

@@ -173,13 +173,20 @@ void SensorMessages::write_sample(const VehicleSample& sample, bool from_bus) {
 }
 
 void SensorMessages::write_wheels(const WheelOdometry& sample, bool from_bus) {
-  ros::TwistStamped message{header_of(sample.stamp, kVehicleFrame), {}};
+  ros::TwistWithCovarianceStamped message{header_of(sample.stamp, kVehicleFrame), {}, {}};
   const double rear = (sample.wheel_speed[2] + sample.wheel_speed[3]) / 2;
   const bool by_wheels = !std::isfinite(sample.speed);
-  message.twist.linear.x = by_wheels ? rear : sample.speed;
-  message.twist.angular.z = sample.yaw_rate;
+  const double speed = by_wheels ? rear : sample.speed;
   if (by_wheels && std::isfinite(rear)) ++wheel_samples_;
-  if (!std::isfinite(message.twist.linear.x) && !std::isfinite(sample.yaw_rate)) return;
+  if (!std::isfinite(speed) && !std::isfinite(sample.yaw_rate)) return;
+  // What is not measured is 0, with a variance of -1.
+  const auto set = [](double measured, double& component, double& variance) {
+    const bool known = std::isfinite(measured);
+    component = known ? measured : 0;
+    variance = known ? 0 : -1;
+  };
+  set(speed, message.twist.linear.x, message.covariance.front());
+  set(sample.yaw_rate, message.twist.angular.z, message.covariance.back());
   sink_.write(vehicle_topic(from_bus) + "/twist", sample.stamp, message);
 }
 

@@ -48,7 +48,7 @@ std::vector<TopicInfo> list_topics(const MessageSetup& setup) {
     add(camera.info, ros::CameraInfo::kName);
   }
   const auto add_motion = [&](bool from_bus) {
-    add(vehicle_topic(from_bus) + "/twist", ros::TwistStamped::kName);
+    add(vehicle_topic(from_bus) + "/twist", ros::TwistWithCovarianceStamped::kName);
     add(vehicle_topic(from_bus) + "/imu", ros::Imu::kName);
   };
   if (setup.has_bus) add_motion(true);

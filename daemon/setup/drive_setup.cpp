@@ -23,7 +23,7 @@ Result<lidar::InferredModel> infer_model(const makers::Stream* stream, const std
     return fail(fmt::format("{} lidar packets are too few to infer the model", inference.packets()),
                 where, advice);
   }
-  return fail(fmt::format("the packets are {}'s, but no known model's: {}", stream->maker->name(),
+  return fail(fmt::format("{}'s packets, but of no known model: {}", stream->maker->name(),
                           inference.describe()),
               where,
               advice + "; sweeps of other lidars are read as PointCloud2 (infuse import) and PCD");

@@ -41,8 +41,8 @@ Result<void> check_socket(const Config& config, const char* table, const std::st
   std::error_code failed;
   while (!fs::exists(folder, failed) && folder.has_relative_path()) folder = folder.parent_path();
   if (::access(folder.c_str(), W_OK | X_OK) == 0 && fs::is_directory(folder, failed)) return {};
-  return fail(fmt::format("a socket cannot be created at {}: {} is no folder that can be written",
-                          path, folder.string()),
+  return fail(fmt::format("a socket cannot be created at {}: {} is not a writable folder", path,
+                          folder.string()),
               config.where_is(table), "the service may write to /run/infuse");
 }
 

@@ -123,7 +123,7 @@ ViewerRequest parse_viewer_request(std::string_view text) {
       request.unsubscribe.push_back(*id);
     }
   } else {
-    return refuse("this server only takes subscriptions");
+    return refuse("this server accepts subscriptions only");
   }
   return request;
 }

@@ -53,7 +53,7 @@ void ViewerClient::read() {
     if (self->socket_.got_text()) {
       self->handle(beast::buffers_to_string(self->buffer_.data()));
     } else {
-      self->send_text(status_text(2, "this server only takes subscriptions"));
+      self->send_text(status_text(2, "this server accepts subscriptions only"));
     }
     self->buffer_.consume(self->buffer_.size());
     if (!self->ended_) self->read();

@@ -147,7 +147,7 @@ Result<std::unique_ptr<Bag>> open_bag(const std::filesystem::path& path) {
   }
   const size_t magic = std::min(bytes.size(), mcap::kMagic.size());
   if (!std::ranges::equal(bytes.first(magic), mcap::kMagic)) {
-    return fail("is not a recording that is known", path.string(),
+    return fail("is not a known kind of recording", path.string(),
                 "known: MCAP, SQLite of rosbag2, bags of ROS 1 (format 2.0)");
   }
   auto reader = mcap::McapReader::open(bytes, path.string());

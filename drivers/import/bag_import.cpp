@@ -94,7 +94,7 @@ class BagImport {
     if (samples_.unreadable() > 0) {
       summary_.notes.push_back({std::to_string(samples_.unreadable()) +
                                     " messages of speed, inertial unit or GNSS are skipped",
-                                "", "they are cut or not finite"});
+                                "", "they are truncated or not finite"});
     }
     complete_lidars();
     complete_cameras();
@@ -108,7 +108,7 @@ class BagImport {
   static Result<void> add_to(const BagMessage& message, Sink& sink, OnMessage on_message) {
     const auto read = ros::decode<T>(message.data, message.encoding);
     if (read) return on_message(*read);
-    sink.skipped.add("is not of the topic's type, or cut");
+    sink.skipped.add("is not of the topic's type, or truncated");
     return {};
   }
 
@@ -118,7 +118,8 @@ class BagImport {
     const auto add_one = [&](Stamp stamp, std::span<const uint8_t> payload) {
       if (done) done = (sink.*add)(payload, stamp);
     };
-    if (!read_packets(message, add_one)) sink.skipped.add("is not of the topic's type, or cut");
+    if (!read_packets(message, add_one))
+      sink.skipped.add("is not of the topic's type, or truncated");
     return done;
   }
 

@@ -52,6 +52,14 @@ bool BagSamples::add_speed(const BagMessage& message) {
     const auto odometry = ros::decode<ros::Odometry>(message.data, message.encoding);
     return odometry && add_twist(odometry->header, odometry->twist, message.log_time);
   }
+  if (message.type == ros::TwistWithCovarianceStamped::kName) {
+    auto twist = ros::decode<ros::TwistWithCovarianceStamped>(message.data, message.encoding);
+    if (!twist) return false;
+    // A variance of -1: not measured.
+    if (twist->covariance.front() == -1) twist->twist.linear.x = kBagNan;
+    if (twist->covariance.back() == -1) twist->twist.angular.z = kBagNan;
+    return add_twist(twist->header, twist->twist, message.log_time);
+  }
   const auto twist = ros::decode<ros::TwistStamped>(message.data, message.encoding);
   return twist && add_twist(twist->header, twist->twist, message.log_time);
 }

@@ -199,7 +199,7 @@ std::vector<const BagTopic*> candidates(const BagSurvey& survey,
   const auto is_wanted = [&](const BagTopic* topic) { return wanted.contains(topic->name); };
   if (std::ranges::any_of(all, is_wanted)) {
     std::erase_if(all, [&](const BagTopic* topic) {
-      if (!is_wanted(topic)) selection.reasons[topic->name] = "another topic was asked for";
+      if (!is_wanted(topic)) selection.reasons[topic->name] = "--topic names another one";
       return !is_wanted(topic);
     });
   }
@@ -394,8 +394,10 @@ Result<BagSelection> select_topics(const BagSurvey& survey, const std::set<std::
     return tl::unexpected(done.error());
   if (auto done = select_cameras(survey, wanted, selection); !done)
     return tl::unexpected(done.error());
-  const auto speed = select_one(survey, wanted, {ros::TwistStamped::kName, ros::Odometry::kName},
-                                "the vehicle's speed", selection);
+  const auto speed = select_one(
+      survey, wanted,
+      {ros::TwistStamped::kName, ros::TwistWithCovarianceStamped::kName, ros::Odometry::kName},
+      "the vehicle's speed", selection);
   if (!speed) return tl::unexpected(speed.error());
   const auto imu = select_one(survey, wanted, {ros::Imu::kName}, "an inertial unit", selection);
   if (!imu) return tl::unexpected(imu.error());

@@ -175,7 +175,8 @@ class FolderImport {
     if (!stamped) return stamped;
     if (rule.rate_hz) {
       summary_.notes.push_back({"the stamps follow from rate_hz: they are not measured",
-                                (base_ / folder).string(), "calibrate only what stands"});
+                                (base_ / folder).string(),
+                                "calibrate only with a standing vehicle"});
     }
     return stamped;
   }

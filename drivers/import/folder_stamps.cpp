@@ -203,7 +203,7 @@ Result<StampRule> read_stamp_rule(const toml::table& source, const std::string& 
   if (std::abs(offset_s) <= 1e9) {
     rule.offset = from_seconds(offset_s);
   } else {
-    table.report_error("offset_s", "offset_s must lie within ±1e9");
+    table.report_error("offset_s", "offset_s must be between -1e9 and 1e9");
   }
   if (auto wrong = table.finish()) return tl::unexpected(std::move(*wrong));
   if (const auto wrong = rule.invalid()) {

@@ -173,7 +173,7 @@ Result<std::vector<FordPose>> read_ford_poses(const std::map<std::string, MatArr
     FordPose pose;
     if (!is_time(times->numbers[k]) ||
         !read_pose({p.x(), p.y(), p.z(), r.x(), r.y(), r.z()}, pose.T_local_body))
-      return fail("has a pose that is none, number " + std::to_string(k), name);
+      return fail("has an impossible pose, number " + std::to_string(k), name);
     pose.stamp = to_stamp_us(times->numbers[k]);
     pose.forward_speed = pose.T_local_body.linear().col(0).dot(vector_at(*vel, k, count));
     if (!poses.empty() && pose.stamp <= poses.back().stamp) continue;

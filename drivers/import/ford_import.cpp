@@ -141,7 +141,7 @@ class FordImport {
                                    : tl::unexpected(variables.error());
     if (!cameras) {
       note("no images are taken: " + cameras.error().what, param,
-           "the poses of the cameras are in no other file");
+           "no other file states the poses of the cameras");
       return {};
     }
     if (cameras->size() != folders.size()) {

@@ -98,6 +98,20 @@ Result<void> write_samples(const KittiRecording& recording, const fs::path& driv
   return {};
 }
 
+/// A recording in a folder below, at most three levels down; nothing if there is none.
+std::optional<fs::path> recording_below(const fs::path& folder) {
+  constexpr int kMaxDepth = 2, kMaxEntries = 100'000;  // bounds time
+  std::error_code error;
+  fs::recursive_directory_iterator at(folder, error);
+  for (int seen = 0; !error && at != fs::end(at) && seen < kMaxEntries; ++seen) {
+    const fs::path name = at->path().filename();
+    if (name == "velodyne_points" || name == "velodyne") return at->path().parent_path();
+    if (at.depth() >= kMaxDepth) at.disable_recursion_pending();
+    at.increment(error);
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 const char* name_of(KittiLayout layout) {
@@ -120,6 +134,10 @@ Result<KittiLayout> detect_kitti_layout(const fs::path& folder) {
     if (fs::is_directory(folder / "calib", ignored)) return KittiLayout::kObject;
     if (fs::exists(folder / "times.txt", ignored) || fs::exists(folder / "calib.txt", ignored))
       return KittiLayout::kOdometry;
+  }
+  if (const auto below = recording_below(folder)) {
+    return fail("has none of KITTI's layouts", folder.string(),
+                "a recording is in " + below->string());
   }
   return fail(
       "has none of KITTI's layouts", folder.string(),

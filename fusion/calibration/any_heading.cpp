@@ -55,12 +55,12 @@ std::vector<Heading> find_basins(std::span<const Scene> scenes, std::span<const 
 }  // namespace
 
 std::optional<std::string> HeadingOptions::invalid() const {
-  if (headings < 2 || headings > 360) return "headings must lie in 2 … 360";
+  if (headings < 2 || headings > 360) return "headings must be between 2 and 360";
   if (!(half_width >= std::numbers::pi / headings && half_width <= std::numbers::pi / 4)) {
     return "half_width must reach the next heading, and be at most 45 degrees";
   }
   if (verified < 1) return "verified must be at least 1";
-  if (!(min_share >= 0 && min_share <= 1)) return "min_share must lie in 0 … 1";
+  if (!(min_share >= 0 && min_share <= 1)) return "min_share must be between 0 and 1";
   if (!(position_sigma > 0)) return "position_sigma must be positive";
   return std::nullopt;
 }
@@ -81,7 +81,7 @@ CalibrationResult calibrate_any_heading(std::span<const Scene> scenes,
   CalibrationResult best;
   best.T_refcam_lidar = T_refcam_lidar_initial;
   best.scenes.resize(scenes.size());
-  best.reason = "lidar and images can be compared at no heading";
+  best.reason = "lidar and images cannot be compared at any heading";
   for (size_t k = 0; k < std::min(headings.verified, basins.size()); ++k) {
     if (k > 0 && basins[k].value < headings.min_share * basins.front().value) break;
     CalibrationResult result =

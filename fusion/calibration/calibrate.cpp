@@ -113,7 +113,7 @@ std::optional<std::string> CalibrateOptions::invalid() const {
   if (!(restart_rotation >= 0)) return "restart_rotation must not be negative";
   if (!(restart_translation >= 0)) return "restart_translation must not be negative";
   if (!(support_sigma >= 0)) return "support_sigma must not be negative";
-  if (!(min_support >= 0 && min_support <= 1)) return "min_support must lie in 0 … 1";
+  if (!(min_support >= 0 && min_support <= 1)) return "min_support must be between 0 and 1";
   if (!(max_rotation_sigma > 0)) return "max_rotation_sigma must be positive";
   if (!(max_translation_sigma > 0)) return "max_translation_sigma must be positive";
   if (auto wrong = known.invalid()) return "known: " + *wrong;

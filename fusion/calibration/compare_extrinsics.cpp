@@ -73,8 +73,8 @@ double scale_of(const std::vector<Lead>& leads, double SceneFit::*value) {
 
 std::optional<std::string> CompareOptions::invalid() const {
   if (!(sigma >= 0)) return "sigma must not be negative";
-  if (!(max_p_value > 0 && max_p_value < 1)) return "max_p_value must lie between 0 and 1";
-  if (!(bias >= 0 && bias <= 100)) return "bias must lie in 0 … 100 px";
+  if (!(max_p_value > 0 && max_p_value < 1)) return "max_p_value must be between 0 and 1";
+  if (!(bias >= 0 && bias <= 100)) return "bias must be between 0 and 100 px";
   if (auto wrong = visibility.invalid()) return "visibility: " + *wrong;
   return std::nullopt;
 }
@@ -195,7 +195,7 @@ ExtrinsicComparison compare_extrinsics(std::span<const Scene> scenes,
   if (out.independent < kMinIndependentScenes) {
     // Appended: for a chain of + g++ 12 warns of bounds that are kept.
     out.reason = std::to_string(out.independent);
-    out.reason.append(" scenes of different places are too few: ");
+    out.reason.append(" too few scenes of different places: ");
     out.reason.append(std::to_string(kMinIndependentScenes)).append(" are needed");
     return out;
   }

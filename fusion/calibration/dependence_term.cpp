@@ -58,8 +58,8 @@ class HistogramTerm : public DependenceTerm {
 
 std::optional<std::string> TermOptions::invalid() const {
   if (!(weight > 0) || !std::isfinite(weight)) return "weight must be positive";
-  if (bins < 4 || bins > 1024) return "bins must lie in 4 … 1024";
-  if (bags < 1 || bags > 100'000) return "bags must lie in 1 … 100000";
+  if (bins < 4 || bins > 1024) return "bins must be between 4 and 1024";
+  if (bags < 1 || bags > 100'000) return "bags must be between 1 and 100000";
   if (lidar.empty() || image.empty())
     return "at least one lidar and one image feature must be given";
   const bool several = estimator == Estimator::kLsmi || estimator == Estimator::kBlsmi;

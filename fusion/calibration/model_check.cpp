@@ -122,13 +122,13 @@ ParameterScore score_delay(const Eigen::Isometry3d& T, std::span<const Scene> sc
 }  // namespace
 
 std::optional<std::string> KnownParameters::invalid() const {
-  if (!(focal_sigma >= 0 && focal_sigma <= 0.1)) return "focal_sigma must lie in 0 … 0.1";
+  if (!(focal_sigma >= 0 && focal_sigma <= 0.1)) return "focal_sigma must be between 0 and 0.1";
   if (!(principal_point_sigma >= 0 && principal_point_sigma <= 100)) {
-    return "principal_point_sigma must lie in 0 … 100 px";
+    return "principal_point_sigma must be between 0 and 100 px";
   }
-  if (!(radial_sigma >= 0 && radial_sigma <= 1)) return "radial_sigma must lie in 0 … 1";
+  if (!(radial_sigma >= 0 && radial_sigma <= 1)) return "radial_sigma must be between 0 and 1";
   if (time_sigma < Duration{0} || time_sigma > Duration{100'000'000}) {
-    return "time_sigma must lie in 0 … 100 ms";
+    return "time_sigma must be between 0 and 100 ms";
   }
   return std::nullopt;
 }

@@ -137,8 +137,8 @@ PooledPose current_pose(Calibrations calibrations, const PoseChange& change, siz
 }  // namespace
 
 std::optional<std::string> PoseDriftOptions::invalid() const {
-  if (!(significance > 0 && significance < 0.5)) return "significance must lie in 0 ... 0.5";
-  if (max_changes < 1 || max_changes > 1000) return "max_changes must lie in 1 ... 1000";
+  if (!(significance > 0 && significance < 0.5)) return "significance must be between 0 and 0.5";
+  if (max_changes < 1 || max_changes > 1000) return "max_changes must be between 1 and 1000";
   return std::nullopt;
 }
 

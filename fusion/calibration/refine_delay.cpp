@@ -23,16 +23,17 @@ const ParameterCheck* find_time_offset(const CalibrationResult& result) {
 /// Why the time offset of a result cannot be used, or an empty text.
 std::string refusal(const CalibrationResult& result, double max_sigma) {
   if (!result.has_pose || !result.uncertainty.usable())
-    return kUndetermined + "they determine no pose";
+    return kUndetermined + "they do not determine a pose";
   const ParameterCheck* offset = find_time_offset(result);
   if (offset == nullptr || offset->sigma <= 0) {
     return kUndetermined + "fewer than 10 independent scenes, or always the same motion";
   }
   if (1e-3 * offset->sigma <= max_sigma) return {};
   std::array<char, 160> text{};
-  std::snprintf(text.data(), text.size(),
-                "its standard deviation is %.1f ms (%.1f); drive bends and at different speeds",
-                offset->sigma, 1e3 * max_sigma);
+  std::snprintf(
+      text.data(), text.size(),
+      "its standard deviation is %.1f ms (allowed: %.1f); drive bends, at different speeds",
+      offset->sigma, 1e3 * max_sigma);
   return kUndetermined + text.data();
 }
 
@@ -47,7 +48,7 @@ CalibrateOptions without_checks(CalibrateOptions options, double max_delay) {
 }  // namespace
 
 std::optional<std::string> DelayOptions::invalid() const {
-  if (!(max_delay > 0 && max_delay <= 0.5)) return "max_delay must lie in 0 … 0.5 s";
+  if (!(max_delay > 0 && max_delay <= 0.5)) return "max_delay must be between 0 and 0.5 s";
   if (!(step > 0 && step <= max_delay)) return "step must be positive and at most max_delay";
   if (!(max_sigma > 0)) return "max_sigma must be positive";
   return std::nullopt;

@@ -39,8 +39,9 @@ std::string refusal(const CalibrationResult& result) {
     const Limit& limit = kLimits[k];
     if (sigma <= limit.sigma) continue;
     std::array<char, 160> text{};
-    std::snprintf(text.data(), text.size(), "the standard deviation of the %s is %.2g%s (%.2g)",
-                  limit.name, limit.scale * sigma, limit.unit, limit.scale * limit.sigma);
+    std::snprintf(text.data(), text.size(),
+                  "the standard deviation of the %s is %.2g%s (allowed: %.2g)", limit.name,
+                  limit.scale * sigma, limit.unit, limit.scale * limit.sigma);
     return text.data();
   }
   return {};

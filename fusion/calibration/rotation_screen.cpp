@@ -100,9 +100,9 @@ class RotationScreening {
 }  // namespace
 
 std::optional<std::string> ScreenOptions::invalid() const {
-  if (!(half_width >= 0 && half_width <= M_PI)) return "half_width must lie in 0 … pi";
+  if (!(half_width >= 0 && half_width <= M_PI)) return "half_width must be between 0 and pi";
   if (!(spacing > 0)) return "spacing must be positive";
-  if (max_poses < 1 || max_poses > 1'000'000) return "max_poses must lie in 1 … 1000000";
+  if (max_poses < 1 || max_poses > 1'000'000) return "max_poses must be between 1 and 1000000";
   if (survivors < 0) return "survivors must not be negative";
   return std::nullopt;
 }

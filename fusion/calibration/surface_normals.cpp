@@ -36,7 +36,7 @@ Eigen::Vector3f plane_normal(const Sweep& sweep, std::span<const int32_t> points
 }  // namespace
 
 std::optional<std::string> NormalOptions::invalid() const {
-  if (neighbours < 3 || neighbours > 10'000) return "neighbours must lie in 3 … 10000";
+  if (neighbours < 3 || neighbours > 10'000) return "neighbours must be between 3 and 10000";
   if (!(max_neighbour_distance > 0)) return "max_neighbour_distance must be positive";
   return std::nullopt;
 }

@@ -130,11 +130,11 @@ std::string describe_imprecision(const Matrix6& covariance, double max_rotation_
     direction.tail<3>() = translation.eigenvectors().col(2);
   }
   char text[160];
-  std::snprintf(text, sizeof text, "the standard deviation of %s in camera axes is %.2g %s (%.2g)",
-                describe_direction(direction).c_str(),
-                turned ? rotation_sigma / kDegree : 100 * translation_sigma,
-                turned ? "degrees" : "cm",
-                turned ? max_rotation_sigma / kDegree : 100 * max_translation_sigma);
+  std::snprintf(
+      text, sizeof text, "the standard deviation of %s in camera axes is %.2g %s (allowed: %.2g)",
+      describe_direction(direction).c_str(),
+      turned ? rotation_sigma / kDegree : 100 * translation_sigma, turned ? "degrees" : "cm",
+      turned ? max_rotation_sigma / kDegree : 100 * max_translation_sigma);
   return text;
 }
 

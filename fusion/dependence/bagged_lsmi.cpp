@@ -13,8 +13,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 
 std::optional<std::string> BagOptions::invalid() const {
-  if (bags < 1 || bags > 100000) return "bags must be in 1 … 100000";
-  if (bag_size < 2 || bag_size > 1000000) return "bag_size must be in 2 … 1000000";
+  if (bags < 1 || bags > 100000) return "bags must be between 1 and 100000";
+  if (bag_size < 2 || bag_size > 1000000) return "bag_size must be between 2 and 1000000";
   return fit.invalid();
 }
 

@@ -19,7 +19,8 @@ double minus_p_log_p(double p) { return p > 0 ? -p * std::log(p) : 0; }
 const char* check_target(std::span<const double> target, size_t words) {
   if (target.size() != words) return "the target and the counts differ in size";
   for (const double t : target) {
-    if (!(t >= 0 && t <= 1)) return "the target is not a distribution: a value is not in 0 … 1";
+    if (!(t >= 0 && t <= 1))
+      return "the target is not a distribution: a value is not between 0 and 1";
   }
   if (std::abs(sum(target) - 1) > 1e-6) return "the target is not a distribution: its sum is not 1";
   return "";
@@ -88,7 +89,7 @@ ShrunkFrequencies james_stein_frequencies(std::span<const double> counts,
     shrunk.reason = check_target(shrinkage.target, counts.size());
   }
   if (shrinkage.lambda && !(*shrinkage.lambda >= 0 && *shrinkage.lambda <= 1)) {
-    shrunk.reason = "the shrinkage is not in 0 … 1";
+    shrunk.reason = "the shrinkage is not between 0 and 1";
   }
   if (!shrunk.usable()) return shrunk;
 

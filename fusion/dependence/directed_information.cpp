@@ -92,7 +92,7 @@ Term append_label(Words& y, Words& xy, LabelOf label_y, CountEntropyOptions::Est
 Estimate directed_information(std::span<const int32_t> x, std::span<const int32_t> y, int length,
                               CountEntropyOptions::Estimator estimator, bool delayed) {
   if (x.size() != y.size()) return {0, "the sides differ in size"};
-  if (length < 1 || length > kMaxSequenceLength) return {0, "the length is not in 1 ... 1024"};
+  if (length < 1 || length > kMaxSequenceLength) return {0, "the length is not between 1 and 1024"};
   const auto steps = static_cast<size_t>(length);
   if (x.empty() || x.size() % steps != 0) return {0, "not a whole number of sequences"};
   if (x.size() > 1u << 30) return {0, "too many samples"};
@@ -118,7 +118,7 @@ Estimate directed_information_rate(std::span<const int32_t> x, std::span<const i
                                    int memory, CountEntropyOptions::Estimator estimator,
                                    bool delayed) {
   if (x.size() != y.size()) return {0, "the sides differ in size"};
-  if (memory < 0 || memory > kMaxMemory) return {0, "the memory is not in 0 ... 16"};
+  if (memory < 0 || memory > kMaxMemory) return {0, "the memory is not between 0 and 16"};
   if (x.size() > 1u << 30) return {0, "too many samples"};
   if (const char* reason = check_estimator(estimator); *reason) return {0, reason};
   const auto m = static_cast<size_t>(memory);

@@ -316,7 +316,7 @@ FitEstimate LabelDependence::evaluate(std::span<const int32_t> labels, int label
   } else if (width == widths_.end()) {
     answer.reason = "the given sigma is not in the grid";
   } else if (!(chosen->lambda >= 1e-12 && chosen->lambda <= 1e12)) {
-    answer.reason = "the given lambda is outside 1e-12 … 1e12";
+    answer.reason = "the given lambda is not between 1e-12 and 1e12";
   }
   if (!answer.usable()) return answer;
   answer.hyper_parameters = *chosen;

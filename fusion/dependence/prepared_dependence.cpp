@@ -356,7 +356,7 @@ FitEstimate PreparedDependence::fit(const ComputeSums& compute_sums,
   } else if (width == nullptr) {
     answer.reason = "the given sigma is not in the grid";
   } else if (!(chosen->lambda >= 1e-12 && chosen->lambda <= 1e12)) {
-    answer.reason = "the given lambda is outside 1e-12 … 1e12";
+    answer.reason = "the given lambda is not between 1e-12 and 1e12";
   }
   if (!answer.usable()) return answer;
   answer.hyper_parameters = *chosen;

@@ -82,10 +82,10 @@ const char* check_paired_samples(const Samples& x, const Samples& y) {
 
 const char* check_labels(std::span<const int32_t> labels, Eigen::Index n, int label_count) {
   if (static_cast<Eigen::Index>(labels.size()) != n) return "the two sides differ in length";
-  if (label_count < 1 || label_count > 10000) return "label_count is outside 1 … 10000";
+  if (label_count < 1 || label_count > 10000) return "label_count is not between 1 and 10000";
   bool varies = false;
   for (const int32_t label : labels) {
-    if (label < 0 || label >= label_count) return "a label is outside 0 … label_count − 1";
+    if (label < 0 || label >= label_count) return "a label is not between 0 and label_count − 1";
     varies |= label != labels[0];
   }
   return varies ? "" : "all labels are equal";

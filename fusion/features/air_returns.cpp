@@ -8,11 +8,11 @@ namespace infuse::features {
 
 std::optional<std::string> AirReturnOptions::invalid() const {
   if (!(max_range > 0)) return "max_range must be positive";
-  if (columns < 1 || columns > 100) return "columns must lie in 1 … 100";
+  if (columns < 1 || columns > 100) return "columns must be between 1 and 100";
   if (!(tolerance > 0 && slope >= 0)) return "tolerance and slope must be positive";
   if (min_neighbours < 1 || min_neighbours > 2 * columns)
-    return "min_neighbours must lie in 1 … 2 · columns";
-  if (!(min_share >= 0 && min_share <= 1)) return "min_share must lie in 0 … 1";
+    return "min_neighbours must be between 1 and 2 · columns";
+  if (!(min_share >= 0 && min_share <= 1)) return "min_share must be between 0 and 1";
   return std::nullopt;
 }
 

@@ -20,13 +20,13 @@ bool within_azimuth(const SweepView& sweep, uint32_t a, uint32_t b, float tangen
 }  // namespace
 
 std::optional<std::string> DiscontinuityOptions::invalid() const {
-  if (!(gamma > 0) || !(gamma <= 2)) return "gamma must lie in (0, 2]";
-  if (!(max_gap > 0) || !(max_gap < 1.5)) return "max_gap must lie in (0, 1.5)";
+  if (!(gamma > 0) || !(gamma <= 2)) return "gamma must be between 0 and 2";
+  if (!(max_gap > 0) || !(max_gap < 1.5)) return "max_gap must be between 0 and 1.5";
   if (max_column_gap < 0) return "max_column_gap must not be negative";
   if (!(no_return_step >= 0)) return "no_return_step must not be negative";
   if (!(max_step > 0)) return "max_step must be positive";
   if (!(max_edge_azimuth >= 0) || !(max_edge_azimuth < 1.5))
-    return "max_edge_azimuth must lie in [0, 1.5)";
+    return "max_edge_azimuth must be between 0 and 1.5";
   if (!(min_edge_step > 0)) return "min_edge_step must be positive";
   return std::nullopt;
 }

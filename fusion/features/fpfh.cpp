@@ -118,11 +118,13 @@ void normalise(Fpfh& histograms) {
 }  // namespace
 
 std::optional<std::string> FpfhOptions::invalid() const {
-  if (!(normal_radius > 0 && normal_radius <= 100)) return "normal_radius must lie in 0 … 100";
-  if (!(feature_radius > 0 && feature_radius <= 100)) return "feature_radius must lie in 0 … 100";
+  if (!(normal_radius > 0 && normal_radius <= 100))
+    return "normal_radius must be between 0 and 100";
+  if (!(feature_radius > 0 && feature_radius <= 100))
+    return "feature_radius must be between 0 and 100";
   if (min_neighbours < 3) return "min_neighbours must be at least 3";
   if (max_neighbours < min_neighbours || max_neighbours > 10'000) {
-    return "max_neighbours must lie in min_neighbours … 10000";
+    return "max_neighbours must be between min_neighbours and 10000";
   }
   return std::nullopt;
 }

@@ -30,9 +30,9 @@ std::string reverse_contradiction(const PreparedSubmap& target, const PreparedSu
 }  // namespace
 
 std::optional<std::string> ClosureCheckOptions::invalid() const {
-  if (!(voxel_size > 0 && voxel_size < 10)) return "voxel_size must lie in 0 … 10 m";
+  if (!(voxel_size > 0 && voxel_size < 10)) return "voxel_size must be between 0 and 10 m";
   for (const double share : {min_inliers, min_agreement, min_overlap}) {
-    if (!(share >= 0 && share < 1)) return "shares must lie in 0 … 1";
+    if (!(share >= 0 && share < 1)) return "shares must be between 0 and 1";
   }
   if (!(max_difference > 0 && max_difference_rotation > 0)) return "differences must be positive";
   if (!(rotation_noise > 0 && translation_noise > 0)) return "the noise must be positive";
@@ -67,7 +67,7 @@ ClosureCheck check_closure(const PreparedSubmap& target, const PreparedSubmap& s
   } else if (check.inliers < options.min_inliers || check.overlap < options.min_overlap) {
     check.reason = "the places have too little in common";
   } else if (check.agreement < options.min_agreement) {
-    check.reason = "what one place shows is not where the other one sees it";
+    check.reason = "the beams of one place pass through what the other shows";
   } else {
     check.reason = reverse_contradiction(target, source, result.T_target_source, options);
   }

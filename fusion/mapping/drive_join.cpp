@@ -36,7 +36,7 @@ Agreement compare(const std::vector<Keyframe>& keyframes, const Closure& a, cons
 std::optional<std::string> AgreementOptions::invalid() const {
   if (min_closures < 2) return "min_closures must be at least 2";
   if (!(widening >= 1)) return "widening must be at least 1";
-  if (!(max_rival >= 0 && max_rival <= 1)) return "max_rival must lie in 0 … 1";
+  if (!(max_rival >= 0 && max_rival <= 1)) return "max_rival must be between 0 and 1";
   return std::nullopt;
 }
 

@@ -234,7 +234,7 @@ std::optional<std::string> EarthFitOptions::invalid() const {
   if (!(max_outlier_sigmas > 0)) return "max_outlier_sigmas must be positive";
   if (min_fixes < 3) return "min_fixes must be at least 3";
   if (!(min_extent > 0)) return "min_extent must be positive";
-  if (!(min_inliers > 0 && min_inliers <= 1)) return "min_inliers must lie in 0 … 1";
+  if (!(min_inliers > 0 && min_inliers <= 1)) return "min_inliers must be between 0 and 1";
   return std::nullopt;
 }
 

@@ -145,7 +145,7 @@ RobustResult optimize_robustly(PoseGraph<D>& graph, const OptimizeOptions& optio
     ++(result.accepted[e] != 0 ? result.accepted_closures : result.rejected_closures);
   }
   result.reason = !result.optimized.usable() ? result.optimized.reason
-                  : settled.changed          ? "which closures are false is not settled"
+                  : settled.changed          ? "it is not decided which closures are false"
                   : result.rejected_closures > result.accepted_closures
                       ? "more closures are rejected than accepted"
                       : "";

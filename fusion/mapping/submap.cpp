@@ -11,7 +11,7 @@ namespace infuse::mapping {
 std::optional<std::string> SubmapOptions::invalid() const {
   if (!(voxel_size >= 0.05)) return "voxel_size must be at least 0.05 m";
   if (!(min_range >= 0)) return "min_range must not be negative";
-  if (!(max_range > min_range && max_range <= 500)) return "max_range must be up to 500 m";
+  if (!(max_range > min_range && max_range <= 500)) return "max_range must be at most 500 m";
   return std::nullopt;
 }
 

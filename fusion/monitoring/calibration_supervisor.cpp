@@ -140,10 +140,10 @@ void CalibrationSupervisor::check_probation(const MonitorReport& report,
   if (gain_count_ < options_.probation_evaluations) return;
   if (gain_sum_ > 0) {
     return apply(CalibrationEvent::kProbationPassed, report.stamp,
-                 {.what = "confirmed by following scenes"}, actions);
+                 {.what = "new calibration confirmed by later scenes"}, actions);
   }
   apply(CalibrationEvent::kProbationFailed, report.stamp,
-        {.what = "rolled back: following scenes fit the old calibration better"}, actions);
+        {.what = "rolled back: later scenes fit the old calibration better"}, actions);
 }
 
 void CalibrationSupervisor::check_proposal(const MonitorReport& report,
@@ -151,7 +151,7 @@ void CalibrationSupervisor::check_proposal(const MonitorReport& report,
   if (before_ || !proposal_ || !report.alternative_drifted) return;
   moved_again_ = report.alternative_since;
   apply(CalibrationEvent::kProposalOutdated, report.stamp,
-        {.what = "proposal withdrawn: following scenes contradict it"}, actions);
+        {.what = "proposal withdrawn: later scenes contradict it"}, actions);
 }
 
 CalibrationEvent CalibrationSupervisor::event_of(const Reestimate& result) {
@@ -177,8 +177,9 @@ void CalibrationSupervisor::use_result_if_due(const MonitorReport& report,
     what = format_text("re-estimated: moved by %.1f standard deviations, not significantly",
                        result.moved);
   } else if (event == CalibrationEvent::kResultAllowed) {
-    what = format_text("applied: moved by %.1f standard deviations, from %zu scenes", result.moved,
-                       result.scenes);
+    what =
+        format_text("new calibration applied: moved by %.1f standard deviations, from %zu scenes",
+                    result.moved, result.scenes);
   } else if (event == CalibrationEvent::kResultProposed) {
     what = "proposed: the policy does not apply it";
   }

@@ -37,7 +37,7 @@ struct HistoryEntry {
   Stamp stamp;
   CalibrationState state = CalibrationState::kOk;                    ///< after it
   Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();  ///< in use after it
-  std::string what;  ///< "drift confirmed: rotation about y, by +0.52 ± 0.03 °", "applied", "rolled
+  std::string what;  ///< "drift confirmed: rotation about y by +0.52 ± 0.03°", "applied", "rolled
                      ///< back: …"
 };
 

@@ -33,7 +33,7 @@ std::optional<std::string> CameraCheckOptions::invalid() const {
   if (!(black_level > 0) || !(black_sigma > 0)) return "black_* must be positive";
   if (frozen_images < 2) return "frozen_images must be at least 2";
   for (const double share : {min_detail_ratio, dirty_share, static_share, min_focus_ratio}) {
-    if (!(share > 0 && share < 1)) return "shares must lie in (0, 1)";
+    if (!(share > 0 && share < 1)) return "shares must be between 0 and 1";
   }
   if (!(dirty_distance > 0)) return "dirty_distance must be positive";
   if (warm_up < 1 || confirmation_images < 1)

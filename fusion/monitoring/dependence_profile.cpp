@@ -6,7 +6,7 @@ namespace infuse::monitoring {
 
 std::optional<std::string> ProfileOptions::invalid() const {
   if (!(rotation > 0 && rotation < 0.5) || !(translation > 0)) {
-    return "rotation must be in 0 ... 0.5 rad, translation positive";
+    return "rotation must be between 0 and 0.5 rad, translation positive";
   }
   return evaluation.invalid();
 }

@@ -10,9 +10,9 @@ namespace {
 
 std::string describe_offset(const DriftVerdict& verdict) {
   if (verdict.axis == Axis::kTime) {
-    std::string text = format_text("stamps, %.0f ms late", 1e3 * verdict.delay);
+    std::string text = format_text("stamps %.0f ms late", 1e3 * verdict.delay);
     if (verdict.delay_ambiguous_axis) {
-      text += format_text(" (or %s: not separable for this motion)",
+      text += format_text(" (or %s: this motion does not separate them)",
                           name_of(*verdict.delay_ambiguous_axis));
     }
     return text;
@@ -20,14 +20,14 @@ std::string describe_offset(const DriftVerdict& verdict) {
   const auto k = static_cast<Eigen::Index>(verdict.axis);
   const bool rotation = verdict.axis <= Axis::kRotationZ;
   const double factor = rotation ? 1 / kDegree : 100;
-  const char* unit = rotation ? "°" : "cm";
+  const char* unit = rotation ? "°" : " cm";
   std::string text = verdict.at_least
-                         ? format_text("%s, by at least %+.1f %s", name_of(verdict.axis),
+                         ? format_text("%s by at least %+.1f%s", name_of(verdict.axis),
                                        verdict.offset(k) * factor, unit)
-                         : format_text("%s, by %+.2f ± %.2f %s", name_of(verdict.axis),
+                         : format_text("%s by %+.2f ± %.2f%s", name_of(verdict.axis),
                                        verdict.offset(k) * factor, verdict.sigma(k) * factor, unit);
   if (verdict.delay_ambiguous_axis == verdict.axis) {
-    text += " (or late stamps: not separable for this motion)";
+    text += " (or late stamps: this motion does not separate them)";
   }
   return text;
 }
@@ -48,7 +48,7 @@ std::string describe_drift(const DriftVerdict& verdict) {
     other = format_text(", or %s (odds %.0f : 1)", name_of(verdict.runner_up), std::exp(odds));
   }
   return describe_offset(verdict) + other +
-         format_text(" (evidence %.1f of %.1f nats)", verdict.evidence, verdict.threshold);
+         format_text(" (evidence %.1f, threshold %.1f nats)", verdict.evidence, verdict.threshold);
 }
 
 }  // namespace infuse::monitoring

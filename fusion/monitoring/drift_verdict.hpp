@@ -44,7 +44,7 @@ struct DriftVerdict {
   void set_fault(CameraFault observed);
 };
 
-/// Describes the drift: "rotation about y, by +0.52 ± 0.03 ° (evidence 20.4 of 19.1 nats)".
+/// Describes the drift: "rotation about y by +0.52 ± 0.03° (evidence 20.4, threshold 19.1 nats)".
 std::string describe_drift(const DriftVerdict& verdict);
 
 }  // namespace infuse::monitoring

@@ -67,7 +67,7 @@ void copy_points(const SweepView& sweep, const MonitorPoints& points, size_t max
 }  // namespace
 
 std::optional<std::string> SceneStoreOptions::invalid() const {
-  if (capacity < 3 || capacity > 200) return "capacity must lie in 3 … 200";
+  if (capacity < 3 || capacity > 200) return "capacity must be between 3 and 200";
   if (max_points < 100) return "max_points must be at least 100";
   if (!(min_distance >= 0)) return "min_distance must not be negative";
   if (!(max_angular_rate > 0)) return "max_angular_rate must be positive";

@@ -145,7 +145,7 @@ GyroAxis GyroAxes::judge(int gyro) const {
       out.sign * scatter_(row, out.axis) / std::max(scatter_(out.axis, out.axis), kMinVariance);
   if (lead < options_.min_lead || best > options_.max_unexplained * variance) {
     out.axis = -1;
-    out.reason = "the motion does not tell its axis";
+    out.reason = "the motion does not determine its axis";
   } else if (std::abs(scale - 1) > options_.max_scale_error) {
     out.axis = -1;
     out.reason = "it does not measure what the lidar does";

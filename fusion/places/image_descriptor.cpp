@@ -7,8 +7,8 @@ namespace infuse::places {
 
 std::optional<std::string> ImageDescriptorOptions::invalid() const {
   if (cell < 2) return "cell must be at least 2 pixels";
-  if (stride < 1 || stride > cell) return "stride must be 1 … cell pixels";
-  if (orientations < 2 || orientations > 32) return "orientations must be 2 … 32";
+  if (stride < 1 || stride > cell) return "stride must be between 1 and cell pixels";
+  if (orientations < 2 || orientations > 32) return "orientations must be between 2 and 32";
   return std::nullopt;
 }
 

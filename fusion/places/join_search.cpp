@@ -8,9 +8,9 @@ namespace infuse::places {
 
 std::optional<std::string> JoinOptions::invalid() const {
   if (!(spacing >= 0 && distinct >= 0)) return "lengths must not be negative";
-  if (candidates < 1 || candidates > 100) return "candidates must lie in 1 … 100";
+  if (candidates < 1 || candidates > 100) return "candidates must be between 1 and 100";
   for (const double share : {min_agreement, min_overlap}) {
-    if (!(share >= 0 && share <= 1)) return "shares must lie in 0 … 1";
+    if (!(share >= 0 && share <= 1)) return "shares must be between 0 and 1";
   }
   if (enough < agreement.min_closures) return "enough must not be less than min_closures";
   return agreement.invalid();

@@ -39,7 +39,8 @@ std::optional<std::string> LocaliserOptions::invalid() const {
   for (const double length : {confirm_distance, max_unconfirmed, lost_after, max_sigma, gate}) {
     if (!(length > 0)) return "distances must be positive";
   }
-  if (!(min_probability > 0 && min_probability < 1)) return "min_probability must lie in 0 … 1";
+  if (!(min_probability > 0 && min_probability < 1))
+    return "min_probability must be between 0 and 1";
   if (standing_sweeps < 1) return "standing_sweeps must be positive";
   return std::nullopt;
 }
@@ -197,7 +198,7 @@ void Localiser::judge() {
   if (sigma > options_.max_sigma || unconfirmed > options_.lost_after) {
     return lose(*mismatch_ != '\0' ? mismatch_ : "no place confirms the pose");
   }
-  if (evidence_ <= -evidence_limit()) return lose("what was seen since contradicts the map");
+  if (evidence_ <= -evidence_limit()) return lose("later sweeps contradict the map");
   const bool sure = confirmed_ && unconfirmed <= options_.max_unconfirmed && evidence_ > 0;
   pose_.state = sure ? LocaliserState::kTracking : LocaliserState::kUnsure;
   pose_.reason = sure                 ? ""

@@ -20,7 +20,7 @@ constexpr double kMinInliers = 0.3, kMinAgreement = 0.6, kMinOverlap = 0.1;
 
 std::optional<std::string> PlaceMatcherOptions::invalid() const {
   if (auto wrong = check.invalid()) return wrong;
-  if (candidates < 1 || candidates > 100) return "candidates must lie in 1 … 100";
+  if (candidates < 1 || candidates > 100) return "candidates must be between 1 and 100";
   if (!(distinct > 0 && max_distance > 0)) return "distances must be positive";
   return std::nullopt;
 }

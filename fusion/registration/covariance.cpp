@@ -29,10 +29,10 @@ Covariances covariances_of(const Neighbourhoods& around, int first, int min_neig
 
 std::optional<std::string> CovarianceOptions::invalid() const {
   if (neighbours < 3 || neighbours > NeighbourSearch::kMaxNeighbours)
-    return "neighbours must be 3 ... " + std::to_string(NeighbourSearch::kMaxNeighbours);
+    return "neighbours must be between 3 and " + std::to_string(NeighbourSearch::kMaxNeighbours);
   if (min_neighbours < 3 || min_neighbours > neighbours)
-    return "min_neighbours must be 3 ... neighbours";
-  if (!(min_spread >= 0 && min_spread < 1)) return "min_spread must be 0 ... 1";
+    return "min_neighbours must be between 3 and neighbours";
+  if (!(min_spread >= 0 && min_spread < 1)) return "min_spread must be between 0 and 1";
   return std::nullopt;
 }
 

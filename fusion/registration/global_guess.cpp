@@ -92,11 +92,12 @@ bool distinct(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b,
 }  // namespace
 
 std::optional<std::string> GlobalGuessOptions::invalid() const {
-  if (!(voxel_size > 0 && voxel_size < 100)) return "voxel_size must lie in 0 … 100 m";
-  if (!(min_overlap >= 0 && min_overlap < 1)) return "min_overlap must lie in 0 … 1";
-  if (max_keypoints < 10 || max_keypoints > 20'000) return "max_keypoints must lie in 10 … 20000";
-  if (!(min_agreement > 0 && min_agreement < 1)) return "min_agreement must lie between 0 and 1";
-  if (!(min_lead >= 0 && min_lead < 1)) return "min_lead must lie in 0 … 1";
+  if (!(voxel_size > 0 && voxel_size < 100)) return "voxel_size must be between 0 and 100 m";
+  if (!(min_overlap >= 0 && min_overlap < 1)) return "min_overlap must be between 0 and 1";
+  if (max_keypoints < 10 || max_keypoints > 20'000)
+    return "max_keypoints must be between 10 and 20000";
+  if (!(min_agreement > 0 && min_agreement < 1)) return "min_agreement must be between 0 and 1";
+  if (!(min_lead >= 0 && min_lead < 1)) return "min_lead must be between 0 and 1";
   if (auto wrong = fpfh.invalid()) return wrong;
   return consensus.invalid();
 }
@@ -141,7 +142,7 @@ RegistrationResult find_global_guess(const geometry::PointsView& target,
     return refuse("the scans have too little in common");
   }
   if (best.agreement.share() < options.min_agreement) {
-    return refuse("what one scan measured is not where the other one sees it");
+    return refuse("the beams of one sweep pass through what the other measured");
   }
   for (const Scored& other : scored) {
     if (distinct(best.result.T_target_source, other.result.T_target_source, options.consensus) &&

@@ -13,7 +13,8 @@ std::optional<std::string> LidarOdometryOptions::invalid() const {
     return "robust_width must be above 0 and at most first_robust_width";
   if (max_iterations < 1) return "max_iterations must be at least 1";
   if (!(rotation_tolerance > 0 && translation_tolerance > 0)) return "tolerances must be above 0";
-  if (!(max_start_speed >= 0 && max_start_speed <= 200)) return "max_start_speed must be 0 ... 200";
+  if (!(max_start_speed >= 0 && max_start_speed <= 200))
+    return "max_start_speed must be between 0 and 200";
   if (!(start_step > 0)) return "start_step must be above 0";
   if (max_failures < 1) return "max_failures must be at least 1";
   return std::nullopt;

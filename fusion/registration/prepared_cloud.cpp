@@ -13,7 +13,7 @@ void build_and_sort(PointCloud& cloud, NeighbourSearch& search) {
 }
 
 std::optional<std::string> PrepareOptions::invalid() const {
-  if (!(voxel_size >= 0 && voxel_size < 100)) return "voxel_size must be 0 ... 100 m";
+  if (!(voxel_size >= 0 && voxel_size < 100)) return "voxel_size must be between 0 and 100 m";
   return covariance.invalid();
 }
 

@@ -11,14 +11,14 @@ std::optional<std::string> StepLimits::invalid() const {
   if (max_iterations < 1) return "max_iterations must be at least 1";
   if (!(rotation_tolerance > 0 && translation_tolerance > 0)) return "tolerances must be above 0";
   if (!(min_plane_fraction >= 0 && min_plane_fraction <= 1))
-    return "min_plane_fraction must be 0 ... 1";
+    return "min_plane_fraction must be between 0 and 1";
   return std::nullopt;
 }
 
 std::optional<std::string> RegistrationOptions::invalid() const {
   if (!(max_correspondence_distance > 0)) return "max_correspondence_distance must be above 0 m";
   if (!(min_inlier_fraction >= 0 && min_inlier_fraction <= 1))
-    return "min_inlier_fraction must be 0 ... 1";
+    return "min_inlier_fraction must be between 0 and 1";
   return steps.invalid();
 }
 

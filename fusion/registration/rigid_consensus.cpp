@@ -138,9 +138,9 @@ std::optional<std::string> RigidConsensusOptions::invalid() const {
   if (!(inlier_distance > 0)) return "inlier_distance must be positive";
   if (!(min_side > 0)) return "min_side must be positive";
   if (min_inliers < 3) return "min_inliers must be at least 3";
-  if (!(probability > 0 && probability < 1)) return "probability must lie between 0 and 1";
-  if (!(min_share >= 0.01 && min_share <= 1)) return "min_share must lie in 0.01 … 1";
-  if (hypotheses < 1 || hypotheses > 100) return "hypotheses must lie in 1 … 100";
+  if (!(probability > 0 && probability < 1)) return "probability must be between 0 and 1";
+  if (!(min_share >= 0.01 && min_share <= 1)) return "min_share must be between 0.01 and 1";
+  if (hypotheses < 1 || hypotheses > 100) return "hypotheses must be between 1 and 100";
   if (!(distinct_rotation > 0)) return "distinct_rotation must be positive";
   if (!(distinct_translation > 0)) return "distinct_translation must be positive";
   return std::nullopt;

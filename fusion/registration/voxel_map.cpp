@@ -69,11 +69,11 @@ INFUSE_SIMD_CLONES int sum_moments(const NearVoxels& near, float radius, float* 
 std::optional<std::string> VoxelMapOptions::invalid() const {
   if (!(voxel_size > 0 && voxel_size <= 10)) return "voxel_size must be above 0 and at most 10 m";
   if (!(min_spacing >= 0 && min_spacing < voxel_size))
-    return "min_spacing must be 0 ... voxel_size";
+    return "min_spacing must be between 0 and voxel_size";
   if (!(range >= 10 * voxel_size)) return "range must be at least ten voxels";
   if (max_voxels < 1000) return "max_voxels must be at least 1000";
   if (min_points < 3) return "min_points must be at least 3";
-  if (!(min_spread >= 0 && min_spread < 1)) return "min_spread must be 0 ... 1";
+  if (!(min_spread >= 0 && min_spread < 1)) return "min_spread must be between 0 and 1";
   return std::nullopt;
 }
 

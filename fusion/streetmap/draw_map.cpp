@@ -16,23 +16,23 @@ Colour colour_of(SegmentKind kind) {
     case SegmentKind::kOpenLand:
       return {235, 232, 222, 0};
     case SegmentKind::kCarriageway:
-      return {110, 110, 118, 40};
+      return {110, 110, 118, 15};
     case SegmentKind::kKerb:
       return {40, 40, 40, 20};
     case SegmentKind::kSidewalk:
-      return {215, 200, 160, 20};
+      return {215, 200, 160, 10};
     case SegmentKind::kFootway:
-      return {225, 160, 90, 25};
+      return {225, 160, 90, 15};
     case SegmentKind::kCrossing:
       return {250, 240, 60, 5};
     case SegmentKind::kGreen:
-      return {130, 190, 110, 35};
+      return {130, 190, 110, 20};
     case SegmentKind::kWater:
       return {110, 160, 225, 25};
     case SegmentKind::kPaved:
-      return {190, 170, 205, 25};
+      return {190, 170, 205, 12};
     case SegmentKind::kBuilding:
-      return {195, 110, 100, 45};
+      return {195, 110, 100, 25};
     case SegmentKind::kWall:
       return {115, 30, 30, 25};
     case SegmentKind::kImageRegion:
@@ -54,6 +54,12 @@ std::array<uint8_t, 3> bgr_of(SegmentKind kind, uint32_t id) {
 }
 
 }  // namespace
+
+std::array<uint8_t, 3> drawn_colour(SegmentKind kind) {
+  const Colour colour = colour_of(kind);
+  return {static_cast<uint8_t>(colour.b), static_cast<uint8_t>(colour.g),
+          static_cast<uint8_t>(colour.r)};
+}
 
 CameraFrame draw_map(const SegmentMap& map, int largest) {
   CameraFrame image;

@@ -57,22 +57,24 @@ uint64_t bin_of(const StreetHypothesis& hypothesis) {
 
 std::optional<std::string> GlobalStartOptions::invalid() const {
   if (!(spacing >= 1 && spacing <= 20 && step > 0.1 && step <= 10 && independent_length >= step)) {
-    return "global_start: spacing must be 1 … 20 m, step up to 10 m and the independent length";
+    return "global_start: spacing must be between 1 and 20 m, step at most 10 m and the "
+           "independent length";
   }
   if (max_hypotheses < 1000 || max_hypotheses > 1000000) {
-    return "global_start: max_hypotheses must be 1000 … 1000000";
+    return "global_start: max_hypotheses must be between 1000 and 1000000";
   }
   if (!(street_sigma > 0 && max_misfit > 0 && max_log_odds > 0 && max_sigma > 0)) {
     return "global_start: sigmas and limits must be positive";
   }
   if (!(believed_radius >= 0 && believed_log_odds >= 0 && believed_log_odds < max_log_odds)) {
-    return "global_start: believed_radius must be 0 or more, believed_log_odds 0 … max_log_odds";
+    return "global_start: believed_radius must be at least 0, believed_log_odds between 0 and "
+           "max_log_odds";
   }
   if (!(max_elsewhere > 0 && max_elsewhere < 1 && max_mean_misfit > 0 && min_alone >= 0)) {
-    return "global_start: max_elsewhere must lie within 0 … 1, max_mean_misfit be positive";
+    return "global_start: max_elsewhere must be between 0 and 1, max_mean_misfit be positive";
   }
   if (!(turn_worth >= 0 && turn_worth <= 1000) || max_witnessed < 0 || max_witnessed > 1000) {
-    return "global_start: turn_worth and max_witnessed must lie within 0 … 1000";
+    return "global_start: turn_worth and max_witnessed must be between 0 and 1000";
   }
   return std::nullopt;
 }

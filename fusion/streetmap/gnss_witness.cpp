@@ -23,7 +23,7 @@ const double kUseless = std::exp(-square(kOutlier) / 2);
 std::optional<std::string> GnssOptions::invalid() const {
   for (const double positive : {map_sigma, slow_sigma, noise_sigma, unknown_hdop, correlation_time,
                                 max_chi_squared, doubt_seconds, silent_seconds}) {
-    if (!(positive > 0 && positive <= 1e4)) return "gnss: settings must lie in 0 ... 10000";
+    if (!(positive > 0 && positive <= 1e4)) return "gnss: settings must be between 0 and 10000";
   }
   if (!(lost_seconds >= doubt_seconds)) return "gnss: lost_seconds must reach doubt_seconds";
   return std::nullopt;

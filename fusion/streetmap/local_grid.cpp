@@ -24,11 +24,12 @@ float signed_sqrt(float height) { return std::copysign(std::sqrt(std::abs(height
 
 std::optional<std::string> LocalGridOptions::invalid() const {
   if (!(cell_size >= 0.02 && cell_size <= 1))
-    return "the local grid's cell_size must be 0.02 … 1 m";
+    return "the local grid's cell_size must be between 0.02 and 1 m";
   if (!(extent >= 10 * cell_size && extent / cell_size <= 4000)) {
-    return "the local grid's extent must be 10 … 4000 cells";
+    return "the local grid's extent must be between 10 and 4000 cells";
   }
-  if (block_size < 1 || block_size > 32) return "the local grid's block_size must be 1 … 32 cells";
+  if (block_size < 1 || block_size > 32)
+    return "the local grid's block_size must be between 1 and 32 cells";
   if (!(min_height < max_height)) return "the local grid's min_height must be below its max_height";
   if (!(min_range >= 0)) return "the local grid's min_range must not be negative";
   if (mean_window < 1) return "the local grid's mean_window must be at least 1";

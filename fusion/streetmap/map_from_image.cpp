@@ -80,10 +80,10 @@ class FloodFill {
 
 std::optional<std::string> ImageMapOptions::invalid() const {
   if (!(metres_per_pixel >= 0.02 && metres_per_pixel <= 10)) {
-    return "metres_per_pixel of a map image must be within 0.02 … 10";
+    return "metres_per_pixel of a map image must be between 0.02 and 10";
   }
   if (!(edge_threshold > 0 && edge_threshold <= 1442))
-    return "edge_threshold of a map image must be within 0 … 1442";
+    return "edge_threshold of a map image must be between 0 and 1442";
   if (min_region_pixels < 1) return "min_region_pixels of a map image must be at least 1";
   return std::nullopt;
 }

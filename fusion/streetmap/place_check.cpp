@@ -29,9 +29,10 @@ std::optional<std::string> PlaceCheckOptions::invalid() const {
         max_across <= 200 && max_distance > 0 && max_distance <= 200)) {
     return "place_check: spacing must be 1 m or more, distances up to 200 m";
   }
-  if (like_places < 0 || like_places > 1000) return "place_check: like_places must be 0 … 1000";
+  if (like_places < 0 || like_places > 1000)
+    return "place_check: like_places must be between 0 and 1000";
   if (!(prior_odds > 0 && max_elsewhere > 0 && max_elsewhere < 1)) {
-    return "place_check: prior_odds must be positive, max_elsewhere within 0 … 1";
+    return "place_check: prior_odds must be positive, max_elsewhere between 0 and 1";
   }
   return std::nullopt;
 }

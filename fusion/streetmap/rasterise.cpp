@@ -374,10 +374,11 @@ class Rasteriser {
 
 std::optional<std::string> RasterOptions::invalid() const {
   if (!(cell_size >= 0.05 && cell_size <= 2))
-    return "cell_size of a street map must be within 0.05 … 2 m";
-  if (!(margin >= 0 && margin <= 1000)) return "margin of a street map must be within 0 … 1000 m";
+    return "cell_size of a street map must be between 0.05 and 2 m";
+  if (!(margin >= 0 && margin <= 1000))
+    return "margin of a street map must be between 0 and 1000 m";
   if (!(corridor >= 0 && corridor <= 10000))
-    return "corridor of a street map must be within 0 … 10000 m";
+    return "corridor of a street map must be between 0 and 10000 m";
   if (!(max_extent > 0) || !(max_area > 0))
     return "max_extent and max_area of a street map must be positive";
   return std::nullopt;

@@ -42,7 +42,7 @@ Tracker::Tracker(const SegmentMap& map, const TrackerOptions& options,
   if (options.global_start.enabled) global_start_.emplace(map, options.global_start);
   if (global_start_ && !global_start_->possible()) {
     global_start_.reset();
-    reason_ = "no initial pose, and no streets or too large a map to search all of them";
+    reason_ = "no initial pose, and the map has no streets or is too large to search all of them";
   }
   const auto samples = static_cast<size_t>(options.grid.max_samples);
   view_->reserve(options.grid.max_samples, kSegmentKindCount);
@@ -282,7 +282,7 @@ void Tracker::judge_standing(const GridSamples& samples) {
   if (before - z < kSigmas * std::sqrt(2 * variance / options_.confidence.window)) return;
   place_check_.start(moments.mean, map_);
   state_ = TrackState::kUnsure;
-  reason_ = "what is seen changes though odometry stands";
+  reason_ = "the view changes although odometry says that the vehicle stands";
 }
 
 void Tracker::search_globally(const GridSamples& samples) {

@@ -45,7 +45,8 @@ void Tracker::update_state() {
     set_state(was_confirmed_ ? TrackState::kUnsure : TrackState::kLost,
               "the vehicle is outside the map");
   } else if (is_refuted_start(moments.mean)) {
-    set_state(TrackState::kLost, "neither the drive nor the sensors fit the map where it started");
+    set_state(TrackState::kLost,
+              "the drive and the sensors do not fit the map at the place where the drive began");
   } else if (gnss == GnssWitness::Verdict::kDoubt) {
     unsure("GNSS fixes contradict the pose on the map");
   } else if (updates_since_start_ < confidence.window / 2) {

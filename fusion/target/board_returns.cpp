@@ -77,7 +77,7 @@ std::optional<Plane> ransac_plane(const Returns& returns, const Eigen::Vector3d&
 
 std::optional<std::string> BoardReturnsOptions::invalid() const {
   if (!(margin > 0)) return "margin must be positive";
-  if (!(max_tilt > 0) || !(max_tilt < 1.5)) return "max_tilt must lie in (0, 1.5)";
+  if (!(max_tilt > 0) || !(max_tilt < 1.5)) return "max_tilt must be between 0 and 1.5";
   if (!(thickness > 0)) return "thickness must be positive";
   if (min_returns < 3) return "min_returns must be at least 3";
   if (ransac_iterations < 1) return "ransac_iterations must be at least 1";

@@ -206,7 +206,7 @@ std::string describe_misfit(const Misfit& misfit) {
 std::optional<std::string> SolveTargetOptions::invalid() const {
   if (auto wrong = errors.invalid()) return wrong;
   if (!(max_mahalanobis > 0)) return "max_mahalanobis must be positive";
-  if (!(max_rejected >= 0 && max_rejected <= 0.5)) return "max_rejected must lie in [0, 0.5]";
+  if (!(max_rejected >= 0 && max_rejected <= 0.5)) return "max_rejected must be between 0 and 0.5";
   if (!(max_rotation_sigma > 0) || !(max_translation_sigma > 0)) {
     return "max_rotation_sigma and max_translation_sigma must be positive";
   }

@@ -1,4 +1,4 @@
-// Makes the tables of fusion/streetmap/accuracy.md: single images, and the tracker on simulated
+// Makes the tables behind fusion/streetmap/accuracy.md: single images, and the tracker on simulated
 // drives.
 //   streetmap_accuracy FOLDER [SECTION[=SEEDS]...]
 #include <cstdio>

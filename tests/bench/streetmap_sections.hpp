@@ -8,7 +8,7 @@
 
 #include "tests/bench/streetmap_runs.hpp"
 
-/// Sections of fusion/streetmap/accuracy.md.
+/// Sections of the tables behind fusion/streetmap/accuracy.md.
 namespace infuse::streetmap::bench {
 
 /// Text of a format of printf, of at most 255 bytes.

@@ -51,8 +51,8 @@ function oneOfEach(events) {
 function storyEvents() {
   const events = [];
   for (const knock of data.true_moves ?? []) {
-    events.push({t: knock.t, kind: 'warn', text: `Truth: the camera ${knock.device} is moved, by ${movedText(knock.moved)}. ` +
-      'infuse does not know.'});
+    events.push({t: knock.t, kind: 'warn', text: `Truth: the camera ${knock.device} is moved by ${movedText(knock.moved)} ` +
+      '(infuse does not know this).'});
   }
   for (const camera of data.cameras) {
     for (const span of stateSpans(camera.points, 'state').filter(s => s.name === 'RECALIBRATING')) {
@@ -91,14 +91,14 @@ function cameraVerdict(camera) {
   // The error as the report states it that is most certain of it.
   const sigma = p => p.sigma?.[axisNames.indexOf(p.axis)] ?? Infinity;
   const first = wrong[0], by = first ? errorText(wrong.reduce((a, b) => sigma(b) < sigma(a) ? b : a)) : '';
-  const became = first ? `became wrong at ${timeText(first.t)}${by ? `, by ${by}` : ''}` : '';
+  const became = first ? `was found to be wrong${by ? ` by ${by}` : ''} at ${timeText(first.t)}` : '';
   const applied = camera.history.find(c => c.state === 'RECALIBRATED' && (!first || c.t >= first.t));
   const replaced = applied ? `; infuse replaced it at ${timeText(applied.t)}` : '';
   switch (end?.state) {
-    case 'OK': return first ? ['good', `${name} ${became}${replaced}, and is right at the end.`] : ['good', `${name} was right throughout.`];
-    case 'SUSPECTED': return ['warn', `${name} is perhaps wrong${errorText(end) ? `, by ${errorText(end)}` : ''}: drive on for certainty.`];
+    case 'OK': return first ? ['good', `${name} ${became}${replaced}, and it is right at the end.`] : ['good', `${name} was right throughout.`];
+    case 'SUSPECTED': return ['warn', `${name} is perhaps wrong${errorText(end) ? ` by ${errorText(end)}` : ''}: drive on for certainty.`];
     case 'RECALIBRATED': return ['warn', `${name} ${became}${replaced}; the new one is still on probation at the end.`];
-    case 'CONFIRMED': case 'RECALIBRATING': return ['bad', `${name} ${became}, and is wrong at the end: recalibrate it (infuse calibrate).`];
+    case 'CONFIRMED': case 'RECALIBRATING': return ['bad', `${name} ${became}, and it is still wrong at the end: recalibrate it (infuse calibrate).`];
     case 'UNUSABLE': return ['bad', `${name} could not be monitored.`];
     default: return ['idle', `${name} could not be judged: the drive has too few images.`];
   }

@@ -70,7 +70,7 @@ std::string to_text(const ComparedExtrinsics& compared) {
       100 *
           (compared.T_new.inverse().translation() - compared.T_old.inverse().translation()).norm(),
       a.edge_gradient, b.edge_gradient, a.dependence, b.dependence);
-  if (!comparison.usable()) return text + "  nothing can be said: " + comparison.reason + "\n";
+  if (!comparison.usable()) return text + "  no verdict: " + comparison.reason + "\n";
   if (comparison.bias_share == 1) {
     return text + "  neither is better: half a pixel of bias could make up the difference\n";
   }

@@ -207,14 +207,14 @@ std::string uncertainty_text(const CalibrationRun& run) {
   if (usable) {
     text += "  standard deviation (rx ry rz, tx ty tz): " + sigma_text(result.covariance()) + "\n";
     text +=
-        fmt::format("    of this by the scatter between scenes, which count as {:.1f}: {}\n",
+        fmt::format("    from the scatter between scenes, which count as {:.1f}: {}\n",
                     result.uncertainty.effective_scenes,
                     sigma_text(result.uncertainty.covariance - result.uncertainty.bias_covariance));
-    text += "    of this by the bias of the measure, which scenes of a drive share: " +
+    text += "    from the bias of the measure, which the scenes of a drive share: " +
             sigma_text(result.uncertainty.bias_covariance) + "\n";
-    text += "    of this by intrinsics and times: " +
+    text += "    from intrinsics and times: " +
             sigma_text(result.model_covariance - run.motion.covariance) + "\n";
-    text += "    of this from the vehicle's motion and uncertain times: " +
+    text += "    of which from the vehicle's motion and uncertain times: " +
             sigma_text(run.motion.covariance) + "\n";
     text += "    mostly: " + largest_text(run) + "\n";
   }

@@ -66,9 +66,10 @@ Command declare_export(CLI::App& infuse) {
                    "also write the poses and alerts of these reports, of a replay")
       ->type_name("FILE");
   mcap->add_flag("--deskew", arguments->deskew, "also write deskewed clouds, on .../points");
-  mcap->add_flag("--recover", arguments->recover,
-                 "DRIVE is an MCAP file that is cut or damaged: write what can be read to FILE, "
-                 "with an index");
+  mcap->add_flag(
+      "--recover", arguments->recover,
+      "DRIVE is an MCAP file that is truncated or damaged: write what can be read to FILE, "
+      "with an index");
   mcap->add_flag("--json", arguments->json, "print the result as one JSON object");
   set_examples(*app, {"infuse export mcap drive/ -o drive.mcap",
                       "infuse export mcap --recover cut.mcap -o whole.mcap"});

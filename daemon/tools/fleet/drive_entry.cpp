@@ -160,7 +160,7 @@ std::string read_matrices(const Json& json, EntryCalibration& calibration) {
   calibration.covariance = *scenes + *motion;
   calibration.shared_covariance = *all - calibration.covariance;
   if (!calibration::is_covariance(calibration.covariance) || !calibration::is_covariance(*all)) {
-    return "its covariance is none";
+    return "its covariance is not one";
   }
   // What is left by rounding of a part that is zero.
   const auto parts = geometry::symmetric_eigen<6>(calibration.shared_covariance);
@@ -186,7 +186,7 @@ EntryCalibration read_calibration(const Json& json) {
 std::optional<std::string> DriveName::invalid() const {
   if (vehicle.empty()) return "the vehicle's name is empty";
   if (drive.empty()) return "the drive's name is empty";
-  if (!date.empty() && !days_of(date)) return "'" + date + "' is no date as 2026-03-01";
+  if (!date.empty() && !days_of(date)) return "'" + date + "' is not a date such as 2026-03-01";
   return std::nullopt;
 }
 
@@ -218,7 +218,8 @@ Result<Json> make_drive_entry(const std::filesystem::path& folder, const DriveNa
 Result<DriveEntry> parse_drive_entry(std::string_view text, const std::string& file) {
   const Json json = Json::parse(text, nullptr, false);
   if (field_of(json, "form") != Json(kEntryForm)) {
-    return fail("is no entry of a drive, or of another release", file, "infuse fleet drive --help");
+    return fail("is not an entry of a drive, or is of another release", file,
+                "infuse fleet drive --help");
   }
   DriveEntry entry{.vehicle = text_field(json, "vehicle"), .drive = text_field(json, "drive")};
   if (entry.vehicle.empty() || entry.drive.empty()) return fail("names no vehicle or drive", file);

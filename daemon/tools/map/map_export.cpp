@@ -9,6 +9,7 @@
 
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/command_line/progress_line.hpp"
+#include "daemon/drawing/plan_legend.hpp"
 #include "daemon/mapping/cloud_file.hpp"
 #include "daemon/mapping/geotiff_file.hpp"
 #include "daemon/mapping/las_file.hpp"
@@ -75,6 +76,29 @@ Result<std::string> export_cloud(const MapFolder& folder, const MapContent& map,
   return extension == ".ply" ? format_cloud_ply(whole) : format_cloud_pcd(whole);
 }
 
+/// The drawing on the colour scale of fractions, black without points, with its legend.
+CameraFrame coloured(const MapDrawing& drawing, double pixel, MapImageContent content,
+                     bool north_up) {
+  CameraFrame image = drawing.image;
+  image.format = PixelFormat::kBgr8;
+  image.pixels.clear();
+  for (const uint8_t grey : drawing.image.pixels) {
+    const Colour colour = grey == 0 ? Colour{} : fraction_colour((grey - 1) / 254.0);
+    image.pixels.insert(image.pixels.end(), colour.begin(), colour.end());
+  }
+  const auto text = [&](float value) {
+    return content == MapImageContent::kHeight ? fmt::format("height {:.1f} m", value)
+                                               : fmt::format("reflectivity {:.0f} %", 100 * value);
+  };
+  add_legend(image, {pixel,
+                     north_up,
+                     {{text(drawing.low), fraction_colour(0)},
+                      {text((drawing.low + drawing.high) / 2), fraction_colour(0.5)},
+                      {text(drawing.high), fraction_colour(1)},
+                      {"no points", {}}}});
+  return image;
+}
+
 /// A GeoTIFF in UTM where the map is georeferenced, or an image in its frame.
 Result<std::string> export_image(const MapFolder& folder, const MapContent& map, double pixel,
                                  bool without_moving, MapImageContent content, bool geotiff) {
@@ -95,7 +119,9 @@ Result<std::string> export_image(const MapFolder& folder, const MapContent& map,
         [&](const MapRaster& raster) { return format_geotiff(raster, projection); });
   }
   return image.draw(content)
-      .and_then([](const CameraFrame& frame) { return camera::encode_png(frame); })
+      .and_then([&](const MapDrawing& drawing) {
+        return camera::encode_png(coloured(drawing, pixel, content, origin_of(map).has_value()));
+      })
       .map([](const std::vector<uint8_t>& png) { return std::string(png.begin(), png.end()); });
 }
 

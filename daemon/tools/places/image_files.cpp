@@ -29,7 +29,7 @@ Result<ImageFiles> read_image_files(const std::string& path, const std::string& 
     const double own = static_cast<double>(frame->width) / frame->height;
     if (!aspect) aspect = own;
     if (std::abs(own / *aspect - 1) > kMaxAspectChange) {
-      return fail(fmt::format("the image has another shape than those before: {} x {} pixels",
+      return fail(fmt::format("the image differs in size from those before: {} x {} pixels",
                               frame->width, frame->height),
                   file.path.string(), "images of one camera can be compared");
     }

@@ -81,8 +81,8 @@ int run_places(const PlacesArguments& arguments) {
               << "\n";
   } else if (request.sequence == "none") {
     std::cout << fmt::format(
-        "{} queries sought among {} places, each by itself: without their order it cannot be told "
-        "which are found by chance\n",
+        "{} queries sought among {} places, one by one: only sequences show which are found by "
+        "chance\n",
         queries, places);
   } else {
     std::cout << fmt::format("{} queries sought among {} places by sequences of {}: {} found\n",

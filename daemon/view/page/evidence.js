@@ -11,8 +11,14 @@ function offsetText(report, axis = axisNames.indexOf(report.evidence?.axis)) {
   return `${report.offset_at_least ? 'at least ' : ''}${value.toFixed(digits)} ± ${sigma.toFixed(digits)}${unit} ${axis < 3 ? 'about' : 'along'} ${'xyz'[axis % 3]}`;
 }
 
+/** ", since …": when the drift that is being repaired was confirmed. */
+function confirmedText({device, stamp}, course) {
+  const begun = course.states.get(device)?.findLast(s => s.name === 'CONFIRMED' && s.t <= seconds(stamp));
+  return begun ? `, since ${timeText(begun.t)}` : '';
+}
+
 /** What a calibration report says, in one sentence: [class, text]. */
-function verdict(report) {
+function verdict(report, course) {
   const since = report.since !== undefined ? `, since ${timeText(seconds(report.since))}` : '', by = offsetText(report);
   const wrong = by ? `wrong by ${by}` : 'wrong';
   switch (report.state) {
@@ -20,7 +26,7 @@ function verdict(report) {
     case 'MONITORING': return ['idle', 'calibration not judged yet'];
     case 'SUSPECTED': return ['warn', `calibration perhaps ${wrong}${since}`];
     case 'CONFIRMED': return ['bad', `calibration ${wrong}${since}`];
-    case 'RECALIBRATING': return ['bad', `calibration ${wrong}; estimating a new one${since}`];
+    case 'RECALIBRATING': return ['bad', `calibration ${wrong}${confirmedText(report, course)}; a new one is being estimated`];
     case 'RECALIBRATED': return ['warn', `new calibration on probation${since}`];
     default: return ['bad', `calibration cannot be monitored${since}`];
   }
@@ -74,7 +80,7 @@ class CalibrationPanel {
     const duration = Math.max(5, last - start), relative = p => p.t - start;
     const parts = [], head = [];
     if (report) {
-      const [kind, text] = verdict(report);
+      const [kind, text] = verdict(report, this.course);
       head.push(element('p', {class: 'verdict'}, element('b', {}, device), ' ', element('span', {class: kind}, `${marks[kind]} ${text}`),
         report.frozen ? ' (frozen)' : '', report.proposed ? element('span', {class: 'warn'}, ' A new calibration is proposed: infuse apply.') : ''));
     }

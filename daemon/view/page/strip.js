@@ -13,16 +13,21 @@ function chip(kind, panel, name, text) {
   return made;
 }
 
+/** When a finding of a sensor or stage began: silence with its last data, everything else when it was raised. */
+const beginOf = (finding, part) => (finding.id === 'silent' ? part?.last_packet ?? part?.last : undefined) ?? finding.since;
+
 /** Of the findings of a sensor or stage: what is wrong, and since when. */
 function findingText(part) {
   const finding = part.findings?.find(f => f.level === part.level) ?? part.findings?.[0];
   if (!finding) return '';
-  return finding.what + (finding.since !== undefined ? `, since ${timeText(seconds(finding.since))}` : '');
+  const begin = beginOf(finding, part);
+  return finding.what + (begin !== undefined ? `, since ${timeText(seconds(begin))}` : '');
 }
 
 function positionChip(health, at, origin) {
   const map = health.map ?? health.streetmap;
-  if (!map) return null;
+  if (!map && !at?.odom) return null;
+  if (!map) return chip('idle', 'plan', 'position', `x ${fixed(at.odom[0], 1)} m, y ${fixed(at.odom[1], 1)} m from the start`);
   const pose = at?.map, degrees = pose && origin ? ` (${toDegrees(origin, pose[0], pose[1]).map(d => d.toFixed(5) + '°').join(' ')})` : '';
   const where = pose && map.state !== 'LOST' ? `, east ${fixed(pose[0], 1)} m, north ${fixed(pose[1], 1)} m ± ${fixed(map.sigma, 1)} m${degrees}` : '';
   return chip(levelClass[map.state] ?? levelClass[map.level] ?? 'idle', 'plan', 'position', map.state + where + (map.level !== 'OK' && findingText(map) ? `: ${findingText(map)}` : ''));
@@ -35,7 +40,7 @@ function sensorChip(part, rate, unit) {
 
 /** The chips: `calibrations`: reports that are shown. */
 function showStrip(health, calibrations, at, origin) {
-  const chips = calibrations.map(report => { const [kind, text] = verdict(report); return chip(kind, 'calibration', report.device, text); });
+  const chips = calibrations.map(report => { const [kind, text] = verdict(report, course); return chip(kind, 'calibration', report.device, text); });
   if (health) {
     const position = positionChip(health, at, origin), odometry = health.odometry;
     if (position) chips.push(position);
@@ -44,24 +49,27 @@ function showStrip(health, calibrations, at, origin) {
         ? `${fixed(odometry.speed, 1)} m/s` : `not usable: ${odometry.reason ?? 'unknown'}`));
     }
     for (const s of health.sensors ?? []) chips.push(sensorChip(s, s.sweeps_hz, 'sweeps/s'));
-    for (const s of health.streams ?? []) chips.push(sensorChip(s, s.received_hz, s.kind === 'camera' ? 'images/s' : '/s'));
+    for (const s of health.streams ?? []) chips.push(sensorChip(s, s.received_hz, s.kind === 'camera' ? 'images/s' : 'samples/s'));
   }
-  place('strip').replaceChildren(...chips);
+  // What needs somebody comes first: on a phone the strip shows two chips.
+  const urgency = c => ['bad', 'warn'].indexOf(c.className.split(' ')[1]) >>> 0;
+  place('strip').replaceChildren(...chips.sort((a, b) => urgency(a) - urgency(b)));
 }
 
-/** Text of an alert as HEALTH has it now: the figures of a finding change while it is raised. */
-function presentText(alert, health) {
+/** An alert as HEALTH has it now: {what, since}; the figures of a finding change while it is raised. */
+function presentAlert(alert, health) {
   for (const part of [health, ...health?.sensors ?? [], ...health?.streams ?? [], ...health?.calibrations ?? [], health?.odometry, health?.streetmap, health?.map]) {
     const found = part?.findings?.find(f => alert.id === f.id || (alert.id.endsWith(`.${f.id}`) && alert.id.startsWith(`${part.device ?? ''}`)));
-    if (found) return found.what;
+    if (found) return {what: found.what, since: beginOf(found, part)};
   }
-  return alert.what;
+  return {what: alert.what, since: alert.since ?? alert.stamp};
 }
 
 function showAlerts(alerts, health) {
-  place('alerts').replaceChildren(...alerts.slice(0, 3).map(a => element('p', {class: a.severity === 'WARN' ? 'warn' : 'bad', title: a.advice ?? ''},
-    element('b', {}, `${a.severity === 'WARN' ? marks.warn : marks.bad} ${a.severity} `), `${a.device}: ${presentText(a, health)}`,
-    element('b', {}, `, since ${timeText(seconds(a.since ?? a.stamp))}`), element('span', {class: 'dim'}, a.advice ? ` – ${a.advice}` : ''))),
+  const line = (a, {what, since}) => element('p', {class: a.severity === 'WARN' ? 'warn' : 'bad', title: a.advice ?? ''},
+    element('b', {}, `${a.severity === 'WARN' ? marks.warn : marks.bad} ${a.severity} `), `${a.device}: ${what}`,
+    element('b', {}, `, since ${timeText(seconds(since))}`), element('span', {class: 'dim'}, a.advice ? ` – ${a.advice}` : ''));
+  place('alerts').replaceChildren(...alerts.slice(0, 3).map(a => line(a, presentAlert(a, health))),
   ...(alerts.length > 3 ? [element('p', {class: 'dim'}, `and ${alerts.length - 3} more`)] : []));
 }
 

@@ -12,7 +12,7 @@ std::optional<std::string> Codebook::invalid() const {
   }
   if (!words.allFinite()) return "a codeword is not finite";
   for (const double f : frequencies) {
-    if (!(f > 0 && f <= 1)) return "the frequency of a codeword is not within 0 … 1";
+    if (!(f > 0 && f <= 1)) return "the frequency of a codeword is not between 0 and 1";
   }
   const double sum = std::accumulate(frequencies.begin(), frequencies.end(), 0.0);
   if (std::abs(sum - 1) > 1e-6) return "the frequencies of the codewords do not sum to 1";

@@ -151,14 +151,14 @@ geometry::Matrix6 fit_covariance(const Correspondences& equal, const Eigen::Isom
 
 std::optional<std::string> InformationAlignmentOptions::invalid() const {
   if (!(fine_radius > 0 && fine_radius <= coarse_radius && coarse_radius <= 100)) {
-    return "the radii must be within 0 … 100 m, the fine one not above the coarse one";
+    return "the radii must be between 0 and 100 m, the fine one not above the coarse one";
   }
   if (!(max_distance >= 0 && max_distance <= 100 * coarse_radius)) {
-    return "max_distance must be within 0 … 100 coarse radii";
+    return "max_distance must be between 0 and 100 coarse radii";
   }
-  if (!(max_heading >= 0 && max_heading <= 3.2)) return "max_heading must be within 0 … 3.2 rad";
-  if (candidates < 1 || candidates > 1000) return "candidates must be within 1 … 1000";
-  if (!(max_runner_up > 0 && max_runner_up <= 1)) return "max_runner_up must be within 0 … 1";
+  if (!(max_heading >= 0 && max_heading <= 3.2)) return "max_heading must be between 0 and 3.2 rad";
+  if (candidates < 1 || candidates > 1000) return "candidates must be between 1 and 1000";
+  if (!(max_runner_up > 0 && max_runner_up <= 1)) return "max_runner_up must be between 0 and 1";
   return std::nullopt;
 }
 

@@ -79,9 +79,10 @@ Correspondences corresponding_points(const std::vector<CameraKeypoints>& there,
 }  // namespace
 
 std::optional<std::string> VisualAlignmentOptions::invalid() const {
-  if (!(keypoint_radius > 0 && keypoint_radius <= 8)) return "keypoint_radius must lie in 0 … 8";
-  if (!(max_ratio > 0 && max_ratio <= 1)) return "max_ratio must lie in 0 … 1";
-  if (!(min_agreement >= 0 && min_agreement < 1)) return "min_agreement must lie in 0 … 1";
+  if (!(keypoint_radius > 0 && keypoint_radius <= 8))
+    return "keypoint_radius must be between 0 and 8";
+  if (!(max_ratio > 0 && max_ratio <= 1)) return "max_ratio must be between 0 and 1";
+  if (!(min_agreement >= 0 && min_agreement < 1)) return "min_agreement must be between 0 and 1";
   return consensus.invalid();
 }
 
@@ -133,7 +134,7 @@ Result<VisualAlignment> align_by_keypoints(const CameraLidarScan& target,
   const ViewAgreement seen = agreement(target_view, target_cloud.cloud, source_view,
                                        source_cloud.cloud, out.result.T_target_source);
   if (seen.share() < options.min_agreement) {
-    out.result.reason = "what one scan measured is not where the other one sees it";
+    out.result.reason = "the beams of one sweep pass through what the other measured";
   }
   return out;
 }

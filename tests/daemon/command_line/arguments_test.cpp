@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
+
 namespace infuse::daemon {
 namespace {
 
@@ -41,6 +43,31 @@ TEST(Arguments, WrongUsageBeginsWithTheProgramsName) {
     EXPECT_THAT(message, testing::EndsWith(" (--help lists the options)\n"));
     EXPECT_EQ(std::ranges::count(message, '\n'), 1) << message;
   }
+}
+
+TEST(Arguments, WrongValuesAreAnsweredWithASentence) {
+  const auto message = [](std::vector<std::string> words) {
+    CLI::App app;
+    int alignment = 0;
+    std::string show;
+    CLI::App* const evaluate = app.add_subcommand("evaluate");
+    evaluate->add_option("--align", alignment)
+        ->transform(CLI::CheckedTransformer(std::map<std::string, int>{{"first", 1}, {"none", 0}}));
+    evaluate->add_option("--show", show)->check(CLI::IsMember({"intensity", "height"}));
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(parse_arguments(app, static_cast<int>(argv.size()), argv.data()), int{kUsage});
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(message({"infuse", "evaluate", "--align", "x"}),
+            "infuse evaluate: --align must be one of first, none, not 'x' (--help lists the "
+            "options)\n");
+  EXPECT_EQ(message({"infuse", "evaluate", "--show", "x"}),
+            "infuse evaluate: --show must be one of intensity, height, not 'x' (--help lists the "
+            "options)\n");
+  EXPECT_EQ(message({"infuse", "evaluate", "--nonsense"}),
+            "infuse evaluate: unknown argument: --nonsense (--help lists the options)\n");
 }
 
 TEST(Arguments, AMistypedCommandIsAnsweredWithTheNearestOne) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "daemon/drawing/label.hpp"
+#include "daemon/drawing/plan_legend.hpp"
 #include "daemon/drawing/view_from_above.hpp"
 
 namespace infuse::daemon {
@@ -55,6 +56,37 @@ TEST(TwoViewsFromAbove, PointsAndTheLegendHaveTheirColours) {
   const CameraFrame image = views.take();
   EXPECT_EQ(drawn_pixels(image, red), 1u);
   EXPECT_GT(drawn_pixels(image, green), 100u);  // once in each view
+}
+
+TEST(PlanLegend, IsBelowThePlanWithABarOfItsLength) {
+  CameraFrame image;
+  image.width = 400;
+  image.height = 300;
+  image.format = PixelFormat::kBgr8;
+  image.pixels.assign(image.row_bytes() * 300, 7);
+  const CameraFrame plan = image;
+  const Colour red{0, 0, 255};
+  add_legend(image, {0.25, true, {{"building", red}}});
+  ASSERT_GT(image.height, plan.height);
+  EXPECT_EQ(image.pixels.size(), image.row_bytes() * static_cast<size_t>(image.height));
+  EXPECT_TRUE(std::equal(plan.pixels.begin(), plan.pixels.end(), image.pixels.begin()));
+  EXPECT_EQ(drawn_pixels(image, red), 49u);
+  // A fifth of 100 m is 20 m: 80 pixels, in two rows.
+  int longest = 0;
+  for (int row = plan.height; row < image.height; ++row) {
+    int run = 0;
+    for (int column = 0; column < image.width; ++column) {
+      const size_t at =
+          static_cast<size_t>(row) * image.row_bytes() + static_cast<size_t>(column) * 3;
+      run = image.pixels[at] < 100 && image.pixels[at + 2] < 100 ? run + 1 : 0;
+      longest = std::max(longest, run);
+    }
+  }
+  EXPECT_EQ(longest, 80);
+  CameraFrame narrow = plan;
+  narrow.width = 50;
+  add_legend(narrow, {0.25, true, {}});
+  EXPECT_EQ(narrow.height, plan.height);
 }
 
 }  // namespace

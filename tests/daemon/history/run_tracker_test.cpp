@@ -51,7 +51,8 @@ TEST_F(RunTrackerTest, AClockThatWasSetBackIsSaid) {
   RunTracker(file_).begin_run(at_s(0));
   const auto alert = RunTracker(file_).begin_run(at_s(-1'000'000));
   ASSERT_TRUE(alert.has_value());
-  EXPECT_NE(alert->finding.what.find("not known: the clock was set back"), std::string::npos)
+  EXPECT_NE(alert->finding.what.find("not known when it was last seen: the clock was set back"),
+            std::string::npos)
       << alert->finding.what;
 }
 

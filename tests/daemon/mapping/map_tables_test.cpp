@@ -49,7 +49,8 @@ TEST(MapTables, NameTheLineThatIsWrong) {
   };
   EXPECT_EQ(message(good), "none");
   EXPECT_THAT(message("another header\n"), HasSubstr("k.csv:1"));
-  EXPECT_THAT(message(good.substr(0, good.size() - 1)), HasSubstr("k.csv:2: the last line is cut"));
+  EXPECT_THAT(message(good.substr(0, good.size() - 1)),
+              HasSubstr("k.csv:2: the last line is truncated"));
   EXPECT_THAT(message(good + "1,2\n"), HasSubstr("k.csv:3"));
   EXPECT_THAT(message(good + good.substr(good.find('\n') + 1)), HasSubstr("not in order"));
   std::string more = good;
@@ -141,15 +142,15 @@ TEST(MapImage, ShowsTheMapFromAbove) {
   image.add(cloud, Eigen::Isometry3d::Identity());  // at (0.5, -1), below the others
   const auto heights = image.draw(MapImageContent::kHeight);
   ASSERT_TRUE(heights) << heights.error().message();
-  ASSERT_EQ(heights->width, 3);
-  ASSERT_EQ(heights->height, 6);
-  EXPECT_EQ(heights->pixels[0], 1) << "the lowest";
-  EXPECT_EQ(heights->pixels[15], 1) << "row at y = -1";
-  EXPECT_EQ(heights->pixels[16], 0) << "no point";
-  EXPECT_GT(heights->pixels[2], 1);
+  ASSERT_EQ(heights->image.width, 3);
+  ASSERT_EQ(heights->image.height, 6);
+  EXPECT_EQ(heights->image.pixels[0], 1) << "the lowest";
+  EXPECT_EQ(heights->image.pixels[15], 1) << "row at y = -1";
+  EXPECT_EQ(heights->image.pixels[16], 0) << "no point";
+  EXPECT_GT(heights->image.pixels[2], 1);
   const auto grey = image.draw(MapImageContent::kIntensity);
   ASSERT_TRUE(grey);
-  EXPECT_LT(grey->pixels[0], grey->pixels[1]);
+  EXPECT_LT(grey->image.pixels[0], grey->image.pixels[1]);
   EXPECT_FALSE(MapImage(1.0).draw(MapImageContent::kHeight)) << "no points";
   MapImage wide(0.05);
   wide.add(three_points(), Eigen::Isometry3d::Identity());

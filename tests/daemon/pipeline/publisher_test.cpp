@@ -133,9 +133,10 @@ TEST_F(PublisherTest, AConfirmedDriftRaisesAnAlertWithItsAxisAndSize) {
   push(item);
   const json alert = lines().back();
   EXPECT_EQ(alert["id"], "front.drift_confirmed");
-  EXPECT_EQ(alert["what"],
-            "calibration drift confirmed: rotation about y, by +0.57 ± 0.00 ° (evidence 20.0 of "
-            "17.0 nats)");
+  EXPECT_EQ(
+      alert["what"],
+      "calibration drift confirmed: rotation about y by +0.57 ± 0.00° (evidence 20.0, threshold "
+      "17.0 nats)");
   EXPECT_EQ(publisher_.totals().calibrations.at("front").camera, "front");
   push_tick(2, 7);
   const json health = lines().back();

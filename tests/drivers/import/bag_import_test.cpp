@@ -169,7 +169,7 @@ TEST(BagImport, AmbiguousTopicsAreAskedFor) {
   ASSERT_TRUE(taken) << taken.error().message();
   EXPECT_EQ(taken->use_of("/imu/data"), "inertial unit");
   EXPECT_EQ(taken->use_of("/camera/imu"), "");
-  EXPECT_EQ(taken->selection.reasons.at("/camera/imu"), "another topic was asked for");
+  EXPECT_EQ(taken->selection.reasons.at("/camera/imu"), "--topic names another one");
   EXPECT_FALSE(import_bags({folder / "a.mcap"}, folder / "other", {.topics = {"/none"}}));
 }
 

@@ -182,7 +182,8 @@ TEST_F(RawLayout, IsImportedWithItsStamps) {
 
 TEST_F(RawLayout, ErrorsNameWhatIsMissing) {
   EXPECT_THAT(import_kitti(folder_ / "day", folder_ / "drive").error().message(),
-              HasSubstr("has none of KITTI's layouts"));
+              AllOf(HasSubstr("has none of KITTI's layouts"),
+                    HasSubstr("a recording is in " + raw_.parent_path().string())));
   EXPECT_FALSE(import_kitti(folder_ / "nowhere", folder_ / "drive"));
   folder_.write("full/file", "x");
   EXPECT_THAT(import_kitti(raw_, folder_ / "full").error().message(),

@@ -100,13 +100,13 @@ TEST(LabelDependence, ReportsReasonForInvalidInput) {
   side.prepare(x);
   EXPECT_STREQ(side.reason(), "");
   EXPECT_STREQ(side.evaluate(alike, 3).reason, "all labels are equal");
-  EXPECT_STREQ(side.evaluate(labels, 2).reason, "a label is outside 0 … label_count − 1");
+  EXPECT_STREQ(side.evaluate(labels, 2).reason, "a label is not between 0 and label_count − 1");
   EXPECT_STREQ(side.evaluate(std::span(labels).first(9), 3).reason,
                "the two sides differ in length");
   EXPECT_STREQ(side.evaluate(labels, 3, HyperParameters{7, 1}).reason,
                "the given sigma is not in the grid");
   EXPECT_STREQ(side.evaluate(labels, 3, HyperParameters{1, 0}).reason,
-               "the given lambda is outside 1e-12 … 1e12");
+               "the given lambda is not between 1e-12 and 1e12");
   EXPECT_TRUE(side.evaluate(labels, 3).usable());
   FitOptions invalid;
   invalid.lambdas = {0.0};

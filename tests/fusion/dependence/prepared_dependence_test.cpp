@@ -229,11 +229,11 @@ TEST(PreparedDependence, ReportsReasonForInvalidInput) {
   EXPECT_STREQ(side.evaluate(x.topRows(9)).reason, "the two sides differ in length");
   EXPECT_STREQ(side.evaluate(MatrixXd::Ones(30, 1)).reason, "all samples are equal");
   EXPECT_STREQ(side.evaluate(alike, 3).reason, "all labels are equal");
-  EXPECT_STREQ(side.evaluate(labels, 2).reason, "a label is outside 0 … label_count − 1");
+  EXPECT_STREQ(side.evaluate(labels, 2).reason, "a label is not between 0 and label_count − 1");
   EXPECT_STREQ(side.evaluate(labels, 3, HyperParameters{7, 1}).reason,
                "the given sigma is not in the grid");
   EXPECT_STREQ(side.evaluate(labels, 3, HyperParameters{1, kNan}).reason,
-               "the given lambda is outside 1e-12 … 1e12");
+               "the given lambda is not between 1e-12 and 1e12");
   EXPECT_TRUE(side.evaluate(labels, 3).usable());
 }
 

@@ -58,10 +58,10 @@ TEST(SampleChoice, CheckLabelsReportsTheReason) {
   const std::vector<int32_t> good = {0, 1, 2}, alike = {1, 1, 1}, negative = {0, -1, 2};
   EXPECT_STREQ(check_labels(good, 3, 3), "");
   EXPECT_STREQ(check_labels(good, 4, 3), "the two sides differ in length");
-  EXPECT_STREQ(check_labels(good, 3, 2), "a label is outside 0 … label_count − 1");
-  EXPECT_STREQ(check_labels(negative, 3, 3), "a label is outside 0 … label_count − 1");
+  EXPECT_STREQ(check_labels(good, 3, 2), "a label is not between 0 and label_count − 1");
+  EXPECT_STREQ(check_labels(negative, 3, 3), "a label is not between 0 and label_count − 1");
   EXPECT_STREQ(check_labels(alike, 3, 3), "all labels are equal");
-  EXPECT_STREQ(check_labels(good, 3, 0), "label_count is outside 1 … 10000");
+  EXPECT_STREQ(check_labels(good, 3, 0), "label_count is not between 1 and 10000");
 }
 
 }  // namespace

@@ -64,7 +64,7 @@ TEST(ClosureCheck, RefusesAPoseThatBeamsContradict) {
   const PreparedSubmap target(room_from(1, a), {}), source(submap_of(screened), {});
   const ClosureCheck check = check_closure(target, source, a.inverse() * b);
   EXPECT_FALSE(check.usable());
-  EXPECT_EQ(check.reason, "what one place shows is not where the other one sees it");
+  EXPECT_EQ(check.reason, "the beams of one place pass through what the other shows");
 }
 
 TEST(ClosureCheck, RefusesWhatTheGeometryLeavesFree) {

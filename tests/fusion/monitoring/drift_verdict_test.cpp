@@ -18,24 +18,25 @@ DriftVerdict verdict_along(Axis axis) {
 
 TEST(DriftVerdict, IsDescribedWithItsSizeAndItsEvidence) {
   EXPECT_EQ(describe_drift(verdict_along(Axis::kRotationX)),
-            "rotation about x, by +0.52 ± 0.03 ° (evidence 20.4 of 19.1 nats)");
+            "rotation about x by +0.52 ± 0.03° (evidence 20.4, threshold 19.1 nats)");
   EXPECT_EQ(describe_drift(verdict_along(Axis::kTranslationZ)),
-            "translation along z, by -20.00 ± 1.00 cm (evidence 20.4 of 19.1 nats)");
+            "translation along z by -20.00 ± 1.00 cm (evidence 20.4, threshold 19.1 nats)");
   EXPECT_EQ(describe_drift(verdict_along(Axis::kTime)),
-            "stamps, 50 ms late (evidence 20.4 of 19.1 nats)");
+            "stamps 50 ms late (evidence 20.4, threshold 19.1 nats)");
 }
 
 TEST(DriftVerdict, SaysWhatItCannotTellFromADelay) {
   DriftVerdict turned = verdict_along(Axis::kRotationY);
   turned.delay_ambiguous_axis = Axis::kRotationY;
-  EXPECT_EQ(describe_drift(turned),
-            "rotation about y, by -0.50 ± 0.02 ° (or late stamps: not separable for this motion) "
-            "(evidence 20.4 of 19.1 nats)");
+  EXPECT_EQ(
+      describe_drift(turned),
+      "rotation about y by -0.50 ± 0.02° (or late stamps: this motion does not separate them) "
+      "(evidence 20.4, threshold 19.1 nats)");
   DriftVerdict late = verdict_along(Axis::kTime);
   late.delay_ambiguous_axis = Axis::kRotationY;
   EXPECT_EQ(describe_drift(late),
-            "stamps, 50 ms late (or rotation about y: not separable for this motion) (evidence "
-            "20.4 of 19.1 nats)");
+            "stamps 50 ms late (or rotation about y: this motion does not separate them) (evidence "
+            "20.4, threshold 19.1 nats)");
 }
 
 TEST(DriftVerdict, ADriftAlongTimeIsALateCamera) {

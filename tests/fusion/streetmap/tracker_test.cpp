@@ -174,7 +174,8 @@ TEST(Tracker, IsNotSureWhileItIsCarried) {
     }
     if (carried) {
       EXPECT_LT(tracking, 40);
-      EXPECT_STREQ(tracker.estimate().reason, "what is seen changes though odometry stands");
+      EXPECT_STREQ(tracker.estimate().reason,
+                   "the view changes although odometry says that the vehicle stands");
     } else {
       EXPECT_EQ(tracking, 60);
     }

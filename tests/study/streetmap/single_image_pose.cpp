@@ -40,16 +40,16 @@ const char* name_of(ImageMeasure measure) {
 std::optional<std::string> SingleImageOptions::invalid() const {
   if (auto wrong = fit.invalid()) return wrong;
   if (!(max_lateral >= 0 && lateral_step > 0 && max_lateral / lateral_step <= 500)) {
-    return "single image: max_lateral must be 0 … 500 steps, lateral_step positive";
+    return "single image: max_lateral must be between 0 and 500 steps, lateral_step positive";
   }
   if (!(max_yaw >= 0 && yaw_step > 0 && max_yaw / yaw_step <= 500)) {
-    return "single image: max_yaw must be 0 … 500 steps, yaw_step positive";
+    return "single image: max_yaw must be between 0 and 500 steps, yaw_step positive";
   }
   if (!(min_distance >= 0 && min_distance < max_distance && max_distance <= 1000)) {
     return "single image: 0 ≤ min_distance < max_distance ≤ 1000 m is needed";
   }
   if (max_samples < 100 || max_samples > 100'000) {
-    return "single image: max_samples must be 100 … 100000";
+    return "single image: max_samples must be between 100 and 100000";
   }
   if (bag_count < 1 || bag_count * 50 > max_samples) return "single image: a bag needs 50 samples";
   return std::nullopt;
