@@ -3,7 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <boost/math/distributions/binomial.hpp>
+#include <cmath>
 
 namespace infuse::daemon {
 namespace {
@@ -18,23 +18,18 @@ std::string carriers(const OdometrySourceStatuses& sources, const std::string& c
   return names.empty() ? "nothing else" : names;
 }
 
-/// True if more samples were rejected than single outliers explain.
-bool beyond_chance(uint64_t rejected, uint64_t samples) {
-  constexpr double kOutliers = 0.02;  // part of the samples of a source that is right, at most
-  constexpr double kLevel = 1e-6;     // once in 11 days, at a check a second
-  if (rejected == 0) return false;
-  const boost::math::binomial_distribution<> outliers(static_cast<double>(samples), kOutliers);
-  return cdf(complement(outliers, static_cast<double>(rejected - 1))) < kLevel;
+// Page's test (1954) of samples that contradict as often as not against those of a source that errs
+// as its sigmas say: with one mode, at most 4 / (9 k²) of its errors lie beyond k standard
+// deviations, whatever they are distributed as (Vysochanskij and Petunin 1980).
+constexpr double kWrong = 0.5;
+constexpr double kRight = 4 / (9 * motion::kGateSigmas * motion::kGateSigmas);
+constexpr double kSure = 1e-6;  // a false verdict in a million samples, on average (Lorden 1971)
+
+/// What samples add to the evidence that a source is wrong.
+double evidence(uint64_t rejected, uint64_t accepted) {
+  return static_cast<double>(rejected) * std::log(kWrong / kRight) +
+         static_cast<double>(accepted) * std::log((1 - kWrong) / (1 - kRight));
 }
-
-struct Counts {
-  uint64_t rejected, samples;
-  Counts(const OdometrySourceStatus& before, const OdometrySourceStatus& now)
-      : rejected(now.rejected - before.rejected),
-        samples(rejected + now.accepted - before.accepted) {}
-};
-
-constexpr Duration kUpdates{1'000'000'000};  // ns between updates, about
 
 constexpr Alert<OdometryTick> kOdometryAlerts[] = {
     {{"untrusted", Level::kError, Delays::kBoth,
@@ -47,10 +42,8 @@ constexpr Alert<OdometryTick> kOdometryAlerts[] = {
                       "receiver with speed and course, or use_lidar in [odometry]"};
      }},
     {{"contradiction", Level::kWarn, Delays::kBoth,
-      "Most samples of a source are rejected, or more within a moment than chance explains. "
-      "Wheels: "
-      "slip, or a tyre changed; GNSS: reflections; "
-      "lidar: moving objects."},
+      "More samples of a source are rejected than its standard deviations allow. Wheels: slip, or "
+      "a tyre changed; GNSS: reflections; lidar: moving objects."},
      [](const OdometryTick& tick) -> std::optional<Problem> {
        if (tick.contradicting.empty()) return {};
        return Problem{
@@ -72,26 +65,31 @@ constexpr Alert<OdometryTick> kOdometryAlerts[] = {
 std::span<const Alert<OdometryTick>> odometry_alerts() { return kOdometryAlerts; }
 
 OdometryHealth::OdometryHealth(const HealthOptions& options)
-    : before_(static_cast<size_t>(options.raise_after / kUpdates) + 1),
-      checks_(odometry_alerts(), options) {}
+    : raise_after_(options.raise_after), checks_(odometry_alerts(), options) {}
 
-// A moment counts for as long as a condition must last to raise an alert.
-std::string OdometryHealth::contradicting(const OdometrySourceStatuses& now) const {
+// It takes as much evidence that a source is right again. A moment counts for as long as a
+// condition must last to raise an alert.
+std::string OdometryHealth::contradicting(Stamp now, const OdometrySourceStatuses& sources) {
+  const double sure = -std::log(kSure);
   std::string names;
-  for (size_t i = 0; i < now.size(); ++i) {
-    const Counts last(before_.back()[i], now[i]), all(before_.front()[i], now[i]);
-    const bool most = 2 * last.rejected > last.samples;
-    if (!most && !beyond_chance(all.rejected, all.samples)) continue;
-    names += (names.empty() ? "" : ", ") + std::string(now[i].name);
+  for (size_t i = 0; i < sources.size(); ++i) {
+    Verdict& verdict = verdicts_[i];
+    const uint64_t rejected = sources[i].rejected - before_[i].rejected;
+    const uint64_t accepted = sources[i].accepted - before_[i].accepted;
+    verdict.evidence = std::clamp(verdict.evidence + evidence(rejected, accepted), 0.0, sure);
+    if (verdict.evidence >= sure) verdict.contradicts = true;
+    if (verdict.evidence <= 0) verdict.contradicts = false;
+    if (verdict.contradicts) verdict.last = now;
+    if (verdict.last == Stamp::earliest() || now - verdict.last > raise_after_) continue;
+    names += (names.empty() ? "" : ", ") + std::string(sources[i].name);
   }
+  before_ = sources;
   return names;
 }
 
 const AlertChecks<OdometryTick>& OdometryHealth::update(Stamp now, const OdometryStatus& status) {
-  const std::string names = contradicting(status.sources);
+  const std::string names = contradicting(now, status.sources);
   const uint64_t not_deskewed = status.not_deskewed - not_deskewed_;
-  std::rotate(before_.begin(), before_.begin() + 1, before_.end());
-  before_.back() = status.sources;
   not_deskewed_ = status.not_deskewed;
   return checks_.update(now, {status, names, not_deskewed});
 }

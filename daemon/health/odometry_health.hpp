@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "daemon/health/alert_checks.hpp"
 #include "daemon/health/health_options.hpp"
@@ -71,10 +70,18 @@ class OdometryHealth {
   const AlertChecks<OdometryTick>& update(Stamp now, const OdometryStatus& status);
 
  private:
-  std::string contradicting(const OdometrySourceStatuses& now) const;
+  /// Whether a source errs as its sigmas say.
+  struct Verdict {
+    double evidence = 0;  // log of a ratio of likelihoods, 0: it does; see the file of definitions
+    bool contradicts = false;
+    Stamp last = Stamp::earliest();  // when it did
+  };
+  std::string contradicting(Stamp now, const OdometrySourceStatuses& sources);
 
   uint64_t not_deskewed_ = 0;
-  std::vector<OdometrySourceStatuses> before_;  // at the last updates, the oldest first
+  Duration raise_after_;
+  OdometrySourceStatuses before_;  // at the last update
+  std::array<Verdict, motion::kOdometrySources> verdicts_;
   AlertChecks<OdometryTick> checks_;
 };
 

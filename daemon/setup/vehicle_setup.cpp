@@ -16,6 +16,7 @@ SignalSource* find_source(SignalMap& map, std::string_view quantity) {
       {"wheel_speed_front_right", &map.wheel_speed[1]},
       {"wheel_speed_rear_left", &map.wheel_speed[2]},
       {"wheel_speed_rear_right", &map.wheel_speed[3]},
+      {"speed", &map.speed},
       {"yaw_rate", &map.yaw_rate},
       {"steering_angle", &map.steering_angle},
       {"steering_fraction", &map.steering_fraction},

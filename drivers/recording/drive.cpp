@@ -109,6 +109,7 @@ const std::vector<std::string>& can_quantities() {
                                                  "wheel_speed_front_right",
                                                  "wheel_speed_rear_left",
                                                  "wheel_speed_rear_right",
+                                                 "speed",
                                                  "yaw_rate",
                                                  "steering_angle",
                                                  "steering_fraction",

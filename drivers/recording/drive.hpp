@@ -53,8 +53,9 @@ struct CanFiles {
 };
 
 /// Quantities that a CAN signal can be mapped to: wheel_speed_front_left, wheel_speed_front_right,
-/// wheel_speed_rear_left, wheel_speed_rear_right, yaw_rate, steering_angle, steering_fraction,
-/// acceleration_forward, …_left, …_up, angular_velocity_forward, …_left, …_up, gear.
+/// wheel_speed_rear_left, wheel_speed_rear_right, speed, yaw_rate, steering_angle,
+/// steering_fraction, acceleration_forward, …_left, …_up, angular_velocity_forward, …_left, …_up,
+/// gear.
 const std::vector<std::string>& can_quantities();
 
 /// Content of a drive.toml: the rig and the files of the drive. The format is documented in

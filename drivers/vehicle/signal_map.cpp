@@ -87,7 +87,7 @@ std::optional<std::string> SignalMap::invalid() const {
   for (const SignalSource& source : angular_velocity) {
     if (auto message = check(source)) return message;
   }
-  for (const SignalSource* source : {&yaw_rate, &steering_angle}) {
+  for (const SignalSource* source : {&speed, &yaw_rate, &steering_angle}) {
     if (auto message = check(*source)) return message;
   }
   if (!any) return "no signal is configured";
@@ -107,6 +107,7 @@ Result<VehicleDecoder> VehicleDecoder::create(const Dbc& dbc, const SignalMap& m
   decoder.interface_ = map.interface;
   decoder.reverse_gear_ = map.reverse_gear;
   std::vector<std::pair<const SignalSource*, Quantity>> wanted = {
+      {&map.speed, kSpeed},
       {&map.yaw_rate, kYawRate},
       {&map.steering_angle, kSteeringAngle},
       {&map.steering_fraction, kSteeringFraction},
@@ -195,6 +196,7 @@ VehicleSamples VehicleDecoder::make_samples(const Values& values, Stamp stamp) c
     for (size_t i = 0; i < 4; ++i) {
       wheels.wheel_speed[i] = reversing_ ? -values[kWheelSpeed + i] : values[kWheelSpeed + i];
     }
+    wheels.speed = reversing_ ? -values[kSpeed] : values[kSpeed];
     wheels.yaw_rate = values[kYawRate];
     const double fraction = values[kSteeringFraction];
     wheels.steering_angle = values[kSteeringAngle] + (std::isfinite(fraction) ? fraction : 0);

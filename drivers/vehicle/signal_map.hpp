@@ -22,13 +22,14 @@ struct SignalSource {
 struct SignalMap {
   std::string interface;                     ///< only frames of this interface are used; empty: all
   std::array<SignalSource, 4> wheel_speed;   ///< front left, front right, rear left, rear right
+  SignalSource speed;                        ///< of the vehicle, as OBD-II has it
   SignalSource yaw_rate;                     ///< counter-clockwise seen from above
   SignalSource steering_angle;               ///< at the steering wheel, left positive
   SignalSource steering_fraction;            ///< finer digits, added to the steering angle
   std::array<SignalSource, 3> acceleration;  ///< forward, left, up
   std::array<SignalSource, 3> angular_velocity;  ///< about forward, left, up
   SignalSource gear;
-  /// Value of `gear` in which wheel speeds count backwards; NaN: they carry their sign.
+  /// Value of `gear` in which speeds count backwards; NaN: they carry their sign.
   double reverse_gear = std::numeric_limits<double>::quiet_NaN();
 
   /// Returns what is wrong with the map alone, or nothing.
@@ -61,7 +62,8 @@ class VehicleDecoder {
   /// Index of a decoded value in `Values`.
   enum Quantity : uint8_t {
     kWheelSpeed = 0,
-    kYawRate = 4,
+    kSpeed = 4,
+    kYawRate,
     kSteeringAngle,
     kSteeringFraction,
     kAcceleration,

@@ -25,6 +25,9 @@ inline constexpr size_t kOdometrySources = static_cast<size_t>(OdometrySource::k
 inline constexpr std::array<const char*, kOdometrySources> kOdometrySourceNames = {
     "wheels", "speed", "yaw rate", "gyro", "gnss speed", "gnss course", "gnss position", "lidar"};
 
+/// Standard deviations of its difference to the motion beyond which a sample is rejected.
+inline constexpr double kGateSigmas = 4;
+
 /// What became of the samples of one source.
 struct SourceRecord {
   uint64_t accepted = 0;

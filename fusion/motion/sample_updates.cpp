@@ -6,12 +6,12 @@
 
 #include "drivers/measurement/angles.hpp"
 #include "fusion/geometry/plane_length.hpp"
+#include "fusion/motion/odometry_sources.hpp"
 #include "fusion/motion/odometry_state.hpp"
 
 namespace infuse::motion {
 namespace {
 
-constexpr double kGateSigmas = 4;  // standard deviations beyond which a sample is rejected
 constexpr double kNoGateSigmas = 1e9;
 constexpr double kGravity = 9.80665;  // m/s²
 

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
+#include <utility>
+
 namespace infuse::daemon {
 namespace {
 
@@ -58,6 +62,40 @@ TEST(OdometryHealth, OneBadFixIsChance) {
     const auto& conditions = health.update(Stamp::from_ns(second * 1'000'000'000LL),
                                            status_of(static_cast<uint64_t>(second) - bad, bad));
     EXPECT_TRUE(conditions.findings().empty()) << second;
+  }
+}
+
+// Errors with one mode and the stated standard deviation contradict once in 36 times at most.
+TEST(OdometryHealth, ErrorsOfTheStatedSigmaAreChance) {
+  std::mt19937_64 generator(1);
+  for (const int rate : {1, 10, 50}) {
+    OdometryHealth health{HealthOptions{}};
+    std::binomial_distribution<uint64_t> outliers(static_cast<uint64_t>(rate), 1.0 / 36);
+    uint64_t accepted = 0, rejected = 0;
+    for (int second = 1; second < 1800; ++second) {
+      const uint64_t bad = outliers(generator);
+      rejected += bad;
+      accepted += static_cast<uint64_t>(rate) - bad;
+      const auto& found =
+          health.update(Stamp::from_ns(second * 1'000'000'000LL), status_of(accepted, rejected));
+      ASSERT_TRUE(found.findings().empty()) << rate << " Hz, " << second << " s";
+    }
+  }
+}
+
+TEST(OdometryHealth, NamesWhatContradictsAtAnyRate) {
+  for (const auto& [rate, seconds] : {std::pair(1, 7), {10, 4}, {100, 3}}) {
+    OdometryHealth health{HealthOptions{}};
+    int told = 0;
+    for (int second = 1; second <= 100 && told == 0; ++second) {
+      const int right = std::min(second, 60);
+      const auto& found = health.update(Stamp::from_ns(second * 1'000'000'000LL),
+                                        status_of(static_cast<uint64_t>(rate * right),
+                                                  static_cast<uint64_t>(rate * (second - right))));
+      if (!found.findings().empty()) told = second - 60;
+    }
+    EXPECT_GT(told, 0) << rate << " Hz";
+    EXPECT_LE(told, seconds) << rate << " Hz";
   }
 }
 

@@ -29,6 +29,9 @@ BO_ 101 DYNAMICS: 8 X
  SG_ BARE : 48|8@1- (0.1,0) [0|0] "" X
 BO_ 102 GEARBOX: 1 X
  SG_ GEAR : 0|8@1+ (1,0) [0|0] "" X
+BO_ 2024 OBD: 8 X
+ SG_ PID M : 16|8@1+ (1,0) [0|0] "" X
+ SG_ SPEED m13 : 24|8@1+ (1,0) [0|0] "km/h" X
 )";
 
 SignalMap make_map() {
@@ -84,6 +87,19 @@ TEST(SignalMap, NegatesWheelSpeedsInReverse) {
   EXPECT_NEAR(decoder->decode(wheels).wheels->wheel_speed[0], -10, 1e-12);
   decoder->decode(make_test_frame(102, {3}));
   EXPECT_NEAR(decoder->decode(wheels).wheels->wheel_speed[0], 10, 1e-12);
+}
+
+// OBD-II: the answer to request 13.
+TEST(SignalMap, ReturnsOneSpeedOfTheVehicle) {
+  SignalMap map;
+  map.speed = {"OBD.SPEED"};
+  auto decoder = VehicleDecoder::create(parse_dbc(kDbc, "x").dbc, map);
+  ASSERT_TRUE(decoder) << decoder.error().message();
+  const auto answer = decoder->decode(make_test_frame(0x7E8, {3, 0x41, 13, 36, 0, 0, 0, 0}));
+  ASSERT_TRUE(answer.wheels);
+  EXPECT_NEAR(answer.wheels->speed, 10, 1e-12);
+  EXPECT_TRUE(std::isnan(answer.wheels->wheel_speed[0]));
+  EXPECT_FALSE(decoder->decode(make_test_frame(0x7E8, {3, 0x41, 5, 36, 0, 0, 0, 0})).wheels);
 }
 
 TEST(SignalMap, IgnoresOtherInterfacesAndFrames) {
