@@ -1,5 +1,8 @@
 #include "fusion/registration/covariance.hpp"
 
+#include <Eigen/Core>
+#include <cmath>
+
 #include "fusion/registration/plane_fit.hpp"
 
 namespace infuse::registration {
@@ -25,6 +28,13 @@ Covariances covariances_of(const Neighbourhoods& around, int first, int min_neig
   return covariances;
 }
 
+/// Whether the plane of point i is not edge-on to the ray from the origin.
+bool faces_origin(const Eigen::Vector3d& normal, const PointCloud& cloud, size_t i,
+                  double min_incidence) {
+  const Eigen::Vector3d ray = Eigen::Vector3f(cloud.x[i], cloud.y[i], cloud.z[i]).cast<double>();
+  return std::abs(normal.dot(ray)) >= min_incidence * ray.norm();
+}
+
 }  // namespace
 
 std::optional<std::string> CovarianceOptions::invalid() const {
@@ -32,7 +42,7 @@ std::optional<std::string> CovarianceOptions::invalid() const {
     return "neighbours must be between 3 and " + std::to_string(NeighbourSearch::kMaxNeighbours);
   if (min_neighbours < 3 || min_neighbours > neighbours)
     return "min_neighbours must be between 3 and neighbours";
-  if (!(min_spread >= 0 && min_spread < 1)) return "min_spread must be between 0 and 1";
+  if (!(min_incidence >= 0 && min_incidence < 1)) return "min_incidence must be between 0 and 1";
   return std::nullopt;
 }
 
@@ -41,14 +51,16 @@ void estimate_covariances(const NeighbourSearch& search, const CovarianceOptions
   for (const NeighbourSearch::Leaf& leaf : search.leaves()) {
     const Neighbourhoods around = search.neighbourhoods(leaf, options.neighbours, memory);
     for (int first = 0; first < features::kLanes; first += kPlanes) {
-      const PlaneFits planes =
-          fit_planes(covariances_of(around, first, options.min_neighbours), options.min_spread);
+      const PlaneFits planes = fit_planes(covariances_of(around, first, options.min_neighbours), 0);
       for (int lane = 0; lane < kPlanes; ++lane) {
         if (leaf.index[first + lane] < 0) continue;
         const auto i = static_cast<size_t>(leaf.index[first + lane]);
-        cloud.nx[i] = static_cast<float>(planes.normal[0][lane]);
-        cloud.ny[i] = static_cast<float>(planes.normal[1][lane]);
-        cloud.nz[i] = static_cast<float>(planes.normal[2][lane]);
+        const Eigen::Vector3d normal(planes.normal[0][lane], planes.normal[1][lane],
+                                     planes.normal[2][lane]);
+        const bool seen = faces_origin(normal, cloud, i, options.min_incidence);
+        cloud.nx[i] = seen ? static_cast<float>(normal.x()) : 0;
+        cloud.ny[i] = seen ? static_cast<float>(normal.y()) : 0;
+        cloud.nz[i] = seen ? static_cast<float>(normal.z()) : 0;
       }
     }
   }

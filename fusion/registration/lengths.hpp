@@ -14,6 +14,10 @@ inline constexpr double kMapVoxelSize = 0.25;
 /// m; residuals of points that are further apart are taken as independent.
 inline constexpr double kClusterSize = 4;
 
+/// Sine of the angle to the ray below which a plane is no surface but a beam's own cone: a surface
+/// so near to edge-on meets one beam, where beams are 2° apart (manual of the VLP-16).
+inline constexpr double kMinIncidence = 0.035;
+
 /// m; a rotation counts as what it moves at this distance.
 inline constexpr double kLever = 20;
 
