@@ -7,9 +7,9 @@ namespace {
 
 constexpr Alert<HostStatus> kHostAlerts[] = {
     {{"state", Level::kWarn, Delays::kNone,
-      "Something that the daemon keeps cannot be written: its state, the history, calibrations, or "
-      "reports for the broker, which wait in memory. Free space on the disk; `infuse status` says "
-      "which it is."},
+      "Something that the daemon keeps cannot be written: its state, the history, calibrations, "
+      "the MCAP file, or reports for the broker, which wait in memory. Free space on the disk; "
+      "`infuse status` says which it is."},
      [](const HostStatus& host) -> std::optional<Problem> {
        const auto failing = std::find_if(host.stores.begin(), host.stores.end(),
                                          [](const StoreStatus& s) { return !s.problem.empty(); });

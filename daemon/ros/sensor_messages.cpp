@@ -179,7 +179,9 @@ void SensorMessages::write_wheels(const WheelOdometry& sample, bool from_bus) {
   const double speed = by_wheels ? rear : sample.speed;
   if (by_wheels && std::isfinite(rear)) ++wheel_samples_;
   if (!std::isfinite(speed) && !std::isfinite(sample.yaw_rate)) return;
-  // What is not measured is 0, with a variance of -1.
+  // What is not measured is 0, with a variance of -1; so are the motions sideways, up, and of roll
+  // and pitch.
+  for (const size_t axis : {1, 2, 3, 4}) message.covariance[7 * axis] = -1;
   const auto set = [](double measured, double& component, double& variance) {
     const bool known = std::isfinite(measured);
     component = known ? measured : 0;

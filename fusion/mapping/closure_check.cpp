@@ -6,12 +6,6 @@
 namespace infuse::mapping {
 namespace {
 
-registration::PreparedCloud prepare_submap(const Submap& submap, double voxel_size) {
-  registration::PrepareOptions options;
-  options.voxel_size = voxel_size;
-  return registration::prepare_cloud(submap.points(), options);
-}
-
 /// Why registration from the other side contradicts, or an empty text.
 std::string reverse_contradiction(const PreparedSubmap& target, const PreparedSubmap& source,
                                   const Eigen::Isometry3d& T_target_source,
@@ -40,7 +34,9 @@ std::optional<std::string> ClosureCheckOptions::invalid() const {
 }
 
 PreparedSubmap::PreparedSubmap(const Submap& submap, const ClosureCheckOptions& options)
-    : cloud(prepare_submap(submap, options.voxel_size)), view(cloud) {}
+    : cloud(registration::prepare_cloud(submap.points(),
+                                        registration::sweep_options(options.voxel_size))),
+      view(cloud) {}
 
 ClosureCheck check_closure(const PreparedSubmap& target, const PreparedSubmap& source,
                            const std::optional<Eigen::Isometry3d>& T_target_source_guess,

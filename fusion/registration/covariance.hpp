@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "fusion/features/neighbour_search.hpp"
-#include "fusion/registration/lengths.hpp"
 #include "fusion/registration/point_cloud.hpp"
 
 namespace infuse::registration {
@@ -16,11 +15,11 @@ using features::NeighbourSearch;
 struct CovarianceOptions {
   int neighbours = 10;     ///< number of points, the point itself included, of a local plane
   int min_neighbours = 5;  ///< fewer give no plane
-  /// Sine of the smallest angle between a plane and the ray from the origin, where the lidar is, to
-  /// its point: 0 … 1. Of trees, hedges and fences a beam returns a curve that lies in its own cone,
-  /// and the plane through that curve would hold a second cloud to the rings of the first. 0: a
-  /// cloud that no lidar at the origin saw.
-  double min_incidence = kMinIncidence;
+  /// Sine of the smallest angle between a plane and the ray from the origin to its point, 0 … 1;
+  /// `kMinIncidence` for points that a lidar at the origin measured. Of trees, hedges and fences a
+  /// beam returns a curve that lies in its own cone, and the plane through that curve would hold a
+  /// second cloud to the rings of the first. 0: all planes, for clouds of any origin.
+  double min_incidence = 0;
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;

@@ -105,8 +105,7 @@ std::optional<std::string> GlobalGuessOptions::invalid() const {
 RegistrationResult find_global_guess(const geometry::PointsView& target,
                                      const geometry::PointsView& source,
                                      const GlobalGuessOptions& options) {
-  PrepareOptions prepare;
-  prepare.voxel_size = options.voxel_size;
+  const PrepareOptions prepare = sweep_options(options.voxel_size);
   const PreparedCloud there = prepare_cloud(target, prepare);
   const PreparedCloud here = prepare_cloud(source, prepare);
   const size_t least = options.consensus.min_inliers;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "fusion/registration/lengths.hpp"
+
 namespace infuse::registration {
 
 void build_and_sort(PointCloud& cloud, NeighbourSearch& search) {
@@ -15,6 +17,13 @@ void build_and_sort(PointCloud& cloud, NeighbourSearch& search) {
 std::optional<std::string> PrepareOptions::invalid() const {
   if (!(voxel_size >= 0 && voxel_size < 100)) return "voxel_size must be between 0 and 100 m";
   return covariance.invalid();
+}
+
+PrepareOptions sweep_options(double voxel_size) {
+  PrepareOptions options;
+  options.voxel_size = voxel_size;
+  options.covariance.min_incidence = kMinIncidence;
+  return options;
 }
 
 void CloudPreparer::prepare(const geometry::PointsView& points, const PrepareOptions& options,

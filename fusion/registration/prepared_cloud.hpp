@@ -28,6 +28,9 @@ struct PrepareOptions {
   std::optional<std::string> invalid() const;
 };
 
+/// Of points that a lidar at the origin measured.
+PrepareOptions sweep_options(double voxel_size = PrepareOptions().voxel_size);
+
 /// Prepares clouds. Keeps its memory between clouds, as `out` does.
 class CloudPreparer {
  public:

@@ -18,8 +18,8 @@ struct VoxelMapOptions {
   double range = 100;          ///< m; voxels farther from the lidar are dropped
   size_t max_voxels = 65'536;  ///< maximum number of voxels, 256 bytes each; more are not added
   int min_points = 5;          ///< fewer near a point give no plane
-  double min_spread = 0.2;     ///< as in `CovarianceOptions`: a line or strip gives no plane
-                               ///< (decision 10)
+  double min_spread = 0.2;     ///< second variance of a voxel's points over the first; a line or
+                               ///< strip below gives no plane (decision 10)
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;

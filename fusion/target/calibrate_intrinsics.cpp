@@ -168,7 +168,8 @@ IntrinsicsResult calibrate_intrinsics(const CameraIntrinsics& camera, const Boar
     solve_intrinsics(board, views, used, weights, *solution);
     evaluate_views(board, views, *solution, result);
     known = estimate_intrinsics_covariance(board, views, used, options.flatness, *solution);
-    if (!choose_inliers(result, used) && round > 0) break;
+    // What is stated is of the last solution: no view changes after it.
+    if (round + 1 == kOutlierRounds || (!choose_inliers(result, used) && round > 0)) break;
     weights.robust_rms = 0;
     weights.corner_noise = std::max(known.corner_noise, 1e-3);
   }

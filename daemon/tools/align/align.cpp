@@ -105,8 +105,9 @@ Result<registration::RegistrationResult> align(const Arguments& arguments, const
     if (!found || !found->usable() || method == "vb-gicp") return found;
     guess = found->T_target_source;
   }
-  const auto there = registration::prepare_cloud(points_of(target.sweep));
-  const auto here = registration::prepare_cloud(points_of(source.sweep));
+  const auto options = registration::sweep_options();
+  const auto there = registration::prepare_cloud(points_of(target.sweep), options);
+  const auto here = registration::prepare_cloud(points_of(source.sweep), options);
   return registration::gicp(there, here.cloud, guess);
 }
 

@@ -87,9 +87,12 @@ int run(CalibrateIntrinsicsArguments& arguments) {
   if (!result.usable()) return kFailure;
   if (arguments.output.empty()) return kDone;
   const std::string& name = arguments.camera.empty() ? images->camera : arguments.camera;
-  if (const auto written = write_intrinsics(arguments.output, images->rig, name, result.camera);
-      !written)
-    return print_error(kCalibrateIntrinsicsProgram, written.error(), kFailure);
+  const auto added = write_intrinsics(arguments.output, images->rig, name, result.camera);
+  if (!added) return print_error(kCalibrateIntrinsicsProgram, added.error(), kFailure);
+  if (*added) {
+    std::cerr << kCalibrateIntrinsicsProgram << ": note: the camera is new in " << arguments.output
+              << ": its pose there is a guess (infuse calibrate)\n";
+  }
   return kDone;
 }
 

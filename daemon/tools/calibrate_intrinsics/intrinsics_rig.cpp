@@ -31,7 +31,7 @@ Result<Rig> with_intrinsics(Rig rig, const std::string& name, const CameraIntrin
   return rig;
 }
 
-Result<void> write_intrinsics(const std::filesystem::path& path, const Rig& rig,
+Result<bool> write_intrinsics(const std::filesystem::path& path, const Rig& rig,
                               const std::string& name, const CameraIntrinsics& intrinsics) {
   std::error_code error;
   const Result<Rig> before =
@@ -39,7 +39,10 @@ Result<void> write_intrinsics(const std::filesystem::path& path, const Rig& rig,
   if (!before) return tl::unexpected(before.error());
   const auto after = with_intrinsics(*before, name, intrinsics);
   if (!after) return tl::unexpected(after.error());
-  return recording::write_rig(path, *after);
+  if (const auto written = recording::write_rig(path, *after); !written) {
+    return tl::unexpected(written.error());
+  }
+  return !before->cameras.empty() && after->cameras.size() > before->cameras.size();
 }
 
 }  // namespace infuse::daemon

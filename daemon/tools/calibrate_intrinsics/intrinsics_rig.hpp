@@ -14,7 +14,8 @@ namespace infuse::daemon {
 Result<Rig> with_intrinsics(Rig rig, const std::string& name, const CameraIntrinsics& intrinsics);
 
 /// Writes `with_intrinsics` of the rig that the file holds, or of `rig` if there is no file.
-Result<void> write_intrinsics(const std::filesystem::path& path, const Rig& rig,
+/// Returns whether the camera was added to others.
+Result<bool> write_intrinsics(const std::filesystem::path& path, const Rig& rig,
                               const std::string& name, const CameraIntrinsics& intrinsics);
 
 }  // namespace infuse::daemon

@@ -125,8 +125,8 @@ Result<VisualAlignment> align_by_keypoints(const CameraLidarScan& target,
     out.result.reason = "the images have too little in common";
     return out;
   }
-  const PreparedCloud target_cloud = prepare_cloud(target.sweep.points);
-  const PreparedCloud source_cloud = prepare_cloud(source.sweep.points);
+  const PreparedCloud target_cloud = prepare_cloud(target.sweep.points, sweep_options());
+  const PreparedCloud source_cloud = prepare_cloud(source.sweep.points, sweep_options());
   out.result =
       refine(target_cloud, source_cloud.cloud, out.bootstrap.hypotheses.front().T_target_source);
   if (!out.result.usable()) return out;

@@ -36,7 +36,7 @@ TEST(OdometryHealth, NamesTheSourceThatContradicts) {
   const auto& findings = health.update(now + from_seconds(1), status_of(450, 300)).findings();
   ASSERT_EQ(findings.size(), 1U);
   EXPECT_STREQ(findings[0].id, "contradiction");
-  EXPECT_EQ(findings[0].what, "the motion carried by lidar is contradicted by wheels");
+  EXPECT_EQ(findings[0].what, "the motion measured by lidar is contradicted by wheels");
 }
 
 // Wheels that lock for half a second, and drive on: the alert comes 2 s later, and goes.
@@ -110,7 +110,7 @@ TEST(OdometryHealth, NoSourceContradictsItself) {
             .findings();
     if (second < 5) continue;
     ASSERT_EQ(findings.size(), 1U);
-    EXPECT_EQ(findings[0].what, "the motion carried by lidar is contradicted by wheels");
+    EXPECT_EQ(findings[0].what, "the motion measured by lidar is contradicted by wheels");
   }
 }
 

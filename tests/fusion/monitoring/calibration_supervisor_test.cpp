@@ -69,7 +69,7 @@ TEST(CalibrationSupervisor, FollowsTheEvidenceWithHysteresis) {
   EXPECT_FALSE(drifted.start_reestimation);  // too few scenes
   EXPECT_EQ(drive.step(Drift::kSuspected).state, kConfirmed);
   EXPECT_EQ(drive.step(Drift::kHolds).state, kOk);
-  EXPECT_THAT(drive.supervisor.history().back().what, HasSubstr("rotation about y, by +0.50"));
+  EXPECT_THAT(drive.supervisor.history().back().what, HasSubstr("rotation about y by +0.50"));
 }
 
 TEST(CalibrationSupervisor, AlertOnlyProposesAndTheOwnerApplies) {

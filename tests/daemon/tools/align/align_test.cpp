@@ -135,7 +135,7 @@ TEST_F(AlignTest, RefusesAPoseThatThePlaneDoesNotDetermine) {
     for (int i = 0; i < 8000; ++i) {
       cloud.x.push_back(at(random));
       cloud.y.push_back(at(random));
-      cloud.z.push_back(noise(random));
+      cloud.z.push_back(noise(random) - 1.9f);
     }
     return cloud;
   };

@@ -66,7 +66,7 @@ TEST(FleetCommand, SaysWhatIsWrong) {
   const auto date =
       fleet("drive " + at + " --vehicle car --drive a --date monday -o " + at + "a.json");
   EXPECT_EQ(date.code, 2);
-  EXPECT_THAT(date.output, HasSubstr("'monday' is no date"));
+  EXPECT_THAT(date.output, HasSubstr("'monday' is not a date such as"));
   EXPECT_EQ(fleet("pool " + at + "entry.json").code, 0);
 }
 
