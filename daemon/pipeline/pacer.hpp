@@ -49,7 +49,7 @@ class Pacer {
 
  private:
   static constexpr Duration kMaxPause{10'000'000'000};
-  static constexpr double kStepRate = 0.5;
+  static constexpr double kStepRate = 0.25;
 
   bool is_free(Stamp stamp) const;
   void end_seek();

@@ -91,7 +91,8 @@ constexpr Scenario kScenarios[] = {
      "bus.silent 62 80; gnss.silent 62 80; odometry.untrusted 62..65 82..85; "
      "odometry.not_deskewed 62..65 82..85"},
     {"GNSS states a wrong speed", "60-90 gnss fast 15", "odometry.contradiction 62..64 92..100"},
-    {"GNSS states a wrong course", "60-90 gnss turned 1.5", "odometry.contradiction 62..64 91..100"},
+    {"GNSS states a wrong course", "60-90 gnss turned 1.5",
+     "odometry.contradiction 62..64 91..100"},
     {"the wheels spin", "60-90 vehicle slip 0.4", "odometry.contradiction 62..64 92..100"},
     {"the supply of all sensors fails",
      "60-90 top silent; 60-90 rear silent; 60-90 front silent; 60-90 bus silent; 60-90 gnss silent",
