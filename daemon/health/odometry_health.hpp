@@ -72,7 +72,7 @@ class OdometryHealth {
  private:
   /// Whether a source errs as its sigmas say.
   struct Verdict {
-    double evidence = 0;  // log of a ratio of likelihoods, 0: it does; see the file of definitions
+    double evidence = 0;  // log of a ratio of likelihoods; 0: it errs as stated
     bool contradicts = false;
     Stamp last = Stamp::earliest();  // when it did
   };

@@ -110,8 +110,9 @@ Command declare_calibrate_intrinsics(CLI::App& infuse) {
   app->add_option("--board", arguments->board, "inner corners of the board, e.g. 9x6")
       ->required()
       ->type_name("COLSxROWS");
-  app->add_option("--square", arguments->size.square_size,
-                  "side length of a square; the intrinsics hardly depend on it (0.1)")
+  app->add_option(
+         "--square", arguments->size.square_size,
+         "side length of a square (0.1): a wrong one changes distances, not the focal length")
       ->type_name("M");
   app->add_option("--model", arguments->model,
                   "pinhole: Brown–Conrady distortion; fisheye: Kannala–Brandt (pinhole)")
