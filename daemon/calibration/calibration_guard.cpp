@@ -63,7 +63,10 @@ const CalibrationReport* CalibrationGuard::process(const CameraFrame& grey,
                             : 0;
   const monitoring::SupervisorActions actions = supervisor_.process(observed_, scenes);
   perform(actions, now);
-  return actions.changed() ? report(now, true) : report_if_due(now);
+  if (actions.changed()) return report(now, true);
+  const monitoring::DriftVerdict &reported = report_.verdict, &seen = observed_.verdict;
+  const bool other_fault = seen.fault != reported.fault || seen.images_of != reported.images_of;
+  return other_fault ? report(now, false) : report_if_due(now);
 }
 
 void CalibrationGuard::perform(const monitoring::SupervisorActions& actions, Stamp now) {

@@ -21,6 +21,12 @@ class CalibrationGuard {
   /// `settings.invalid()` must be empty. `blocking`: waits for background work (replay).
   CalibrationGuard(const CameraMount& mount, const CalibrationSettings& settings, bool blocking);
 
+  /// Compares images with the places of the rig's other cameras too; this one is `camera` there.
+  /// Outlives the guard.
+  void set_assignment(monitoring::CameraAssignment& assignment, size_t camera) {
+    monitor_.set_assignment(assignment, camera);
+  }
+
   /// Processes an image (kGrey8) and the returns of its sweep as of its exposure. Returns the
   /// report if one is due, valid until the next call, else null.
   const CalibrationReport* process(const CameraFrame& grey, const monitoring::SweepView& sweep,

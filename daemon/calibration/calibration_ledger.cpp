@@ -41,7 +41,8 @@ constexpr const char* kSeeList = "see infuse calibrations";
 /// Why a request for another estimate would have no effect; empty: it has one.
 std::string obstacle_of(const CalibrationReport& report) {
   if (report.verdict.fault != monitoring::CameraFault::kNone) {
-    return report.camera + ": the camera has a fault: " + monitoring::name_of(report.verdict.fault);
+    return report.camera +
+           ": the camera has a fault: " + monitoring::describe_fault(report.verdict);
   }
   if (report.state == CalibrationState::kRecalibrating) {
     return report.camera + ": a re-estimation runs";

@@ -49,6 +49,7 @@ Json calibration_json(const CalibrationReport& report, Level level) {
                {"proposed", report.proposal.has_value()}};
   if (report.verdict.fault != monitoring::CameraFault::kNone) {
     json["camera_fault"] = name_of(report.verdict.fault);
+    if (!report.verdict.images_of.empty()) json["images_of"] = report.verdict.images_of;
   }
   return json;
 }
@@ -60,7 +61,7 @@ std::string monitoring_text(const CalibrationReport& report, Level level) {
                   name_of(level), counted(report.evaluations, "evaluation"));
   const monitoring::DriftVerdict& verdict = report.verdict;
   if (verdict.fault != monitoring::CameraFault::kNone) {
-    text += fmt::format("; camera fault: {}", name_of(verdict.fault));
+    text += "; camera fault: " + monitoring::describe_fault(verdict);
   }
   if (verdict.drifting()) {
     text += "; drift: " + monitoring::describe_drift(verdict);

@@ -34,13 +34,15 @@ constexpr Alert<CalibrationStatus> kCalibrationAlerts[] = {
            "then sudo infuse apply, unless the policy applies it; check the camera mount"};
      }},
     {{"camera_fault", Level::kError, Delays::kNone,
-      "The camera is black, frozen, dirty, out of focus or late. Check camera, lens and cable; the "
-      "calibration is left unchanged."},
+      "The camera is black, frozen, dirty, out of focus or late, or its images are those of "
+      "another "
+      "camera of the rig. Check camera, lens, cable and device; the calibration is left "
+      "unchanged."},
      [](const CalibrationStatus& status) -> CalibrationProblem {
        if (!has_fault(status)) return {};
-       return Problem{
-           std::string("camera fault: ") + monitoring::name_of(status.verdict.fault),
-           "check the camera, its lens and its cable; the calibration is left unchanged"};
+       return Problem{"camera fault: " + monitoring::describe_fault(status.verdict),
+                      "check the camera, its lens, its cable and its device; the calibration is "
+                      "left unchanged"};
      }},
     {{"drift_suspected", Level::kWarn, Delays::kNone,
       "Evidence for a drift, not enough yet. Drive through textured surroundings."},

@@ -66,7 +66,10 @@ std::string calibration_text(const Json& report) {
                          report.value("needed_scenes", 0));
   }
   if (report.contains("camera_fault")) {
-    lines += fmt::format("  camera fault: {}\n", text_of(report, "camera_fault"));
+    lines += fmt::format("  camera fault: {}{}\n", text_of(report, "camera_fault"),
+                         report.contains("images_of") ? ": its images are those of the camera " +
+                                                            text_of(report, "images_of")
+                                                      : "");
   }
   if (report.contains("evidence")) {
     const Json& evidence = report["evidence"];

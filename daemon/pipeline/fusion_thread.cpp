@@ -34,6 +34,16 @@ Eigen::Isometry3d first_mounting(const Rig& rig) {
   return rig.lidars.empty() ? Eigen::Isometry3d::Identity() : rig.lidars[0].T_vehicle_lidar;
 }
 
+/// The cameras by index, each with its configured place.
+std::vector<monitoring::PlacedCamera> placed_cameras(const Rig& rig) {
+  std::vector<monitoring::PlacedCamera> placed;
+  for (const CameraMount& camera : rig.cameras) {
+    placed.push_back(
+        {camera.name, camera.intrinsics, index_of_lidar(rig, camera.lidar), camera.T_camera_lidar});
+  }
+  return placed;
+}
+
 Stamp end_of(const Sweep& sweep) { return sweep.stamp + sweep.span; }
 
 }  // namespace
@@ -52,6 +62,8 @@ FusionThread::FusionThread(const FusionSetup& setup, SlotRing<StreamItem>& in,
       previous_sweeps_(setup.rig.lidars.size()),
       images_(images, images.capacity(),
               setup.delivery == Delivery::kWait ? EventCount::kNoTimeout : kImageTimeout),
+      assignment_(placed_cameras(setup.rig), setup.calibration.monitor.detector,
+                  setup.calibration.monitor.weights, setup.calibration.monitor.max_points),
       dropped_sweeps_(setup.rig.lidars.size()),
       image_counters_(setup.rig.cameras.size()) {
   if (setup.street_map != nullptr && !setup.street_map->empty() && setup.has_odometry) {
@@ -71,6 +83,9 @@ FusionThread::FusionThread(const FusionSetup& setup, SlotRing<StreamItem>& in,
     const LidarIndex lidar = index_of_lidar(setup.rig, camera.lidar);
     cameras_.emplace_back(camera, lidar, setup.rig.lidars[lidar].T_vehicle_lidar, setup.calibration,
                           setup.delivery == Delivery::kWait);
+  }
+  for (size_t k = 0; k < cameras_.size(); ++k) {
+    if (CalibrationGuard* guard = cameras_[k].guard()) guard->set_assignment(assignment_, k);
   }
 }
 

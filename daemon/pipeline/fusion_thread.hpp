@@ -128,7 +128,8 @@ class FusionThread {
   std::optional<MapLocaliser> map_localiser_;
   LidarIndex places_lidar_{0};              // whose sweeps are compared with the map of keyframes
   std::deque<motion::Deskewer> deskewers_;  // by LidarIndex
-  std::deque<CameraChannel> cameras_;       // by CameraIndex
+  monitoring::CameraAssignment assignment_;
+  std::deque<CameraChannel> cameras_;  // by CameraIndex
   ControlQueue commands_;
   motion::DeskewedSweep deskewed_;  // memory that is used again, as the next
   ViewMapPose view_pose_;

@@ -107,6 +107,9 @@ void describe(Visitor& v, const CalibrationReport& report) {
           "motion: rotation about y in a steady turn, translation along z at a steady speed");
   v.field("dependence_nats", when(evaluated, report.dependence), "of the last evaluated image");
   v.field("camera_fault", when(verdict.fault != monitoring::CameraFault::kNone, verdict.fault));
+  v.field("images_of", unless_empty(verdict.images_of),
+          "the camera whose images these are, of a swapped camera; \"a or b\" where it is not "
+          "known which");
   v.field("estimate", report.estimate, "the last re-estimation");
   v.field("history", report.history, "the last changes, oldest first");
   v.field("calibrations", report.known, "that were in use or proposed, oldest first");

@@ -62,7 +62,7 @@ inline constexpr std::array<monitoring::UpdatePolicy, 2> kRange<monitoring::Upda
     monitoring::UpdatePolicy::kAlertOnly, monitoring::UpdatePolicy::kApplyWithin};
 template <>
 inline constexpr std::array<monitoring::CameraFault, 2> kRange<monitoring::CameraFault> = {
-    monitoring::CameraFault::kBlack, monitoring::CameraFault::kLate};
+    monitoring::CameraFault::kBlack, monitoring::CameraFault::kSwapped};
 
 /// Returns "raised" or "cleared".
 constexpr const char* name_of(AlertState state) {

@@ -117,15 +117,11 @@ std::optional<Candidate> nearest_before(const std::vector<Keyframe>& keyframes,
   return best;
 }
 
-/// Why a verified closure cannot be one, or an empty text.
-const char* contradiction(const Closure& closure, const Candidate& candidate,
-                          const ClosureSearchOptions& options) {
-  const Eigen::Vector3d found = closure.T_from_to.translation();
-  if ((found - candidate.T_from_to.translation()).norm() >
-      options.max_distance + candidate.margin) {
-    return "the odometry since then contradicts";
-  }
-  return found.norm() > 2 * options.max_distance ? "the places are too far apart" : "";
+/// Whether a verified closure lies beyond what the uncertainty of its candidate allows.
+bool contradicts(const Closure& closure, const Candidate& candidate,
+                 const ClosureSearchOptions& options) {
+  const Eigen::Vector3d moved = closure.T_from_to.translation() - candidate.T_from_to.translation();
+  return moved.norm() > options.max_distance + candidate.margin;
 }
 
 }  // namespace
@@ -161,7 +157,8 @@ Result<std::vector<Closure>> search_closures(const std::vector<Keyframe>& keyfra
     closure.T_from_to = candidate->T_from_to;
     const auto verified = verify(closure);
     if (!verified) return tl::unexpected(verified.error());
-    if (closure.accepted()) closure.reason = contradiction(closure, *candidate, options);
+    if (closure.accepted() && contradicts(closure, *candidate, options))
+      closure.reason = "the odometry since then contradicts";
     if (closure.accepted()) estimate.correct(closure);
     next = keyframes[k].distance_driven + (closure.accepted() ? options.spacing
                                            : closure.guessed  ? 0

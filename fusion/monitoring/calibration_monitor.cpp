@@ -162,6 +162,17 @@ void CalibrationMonitor::compare_led() {
   led_->support += ratio;
 }
 
+/// Compares the camera's place, or where a search leads if that explains more, with others' places.
+void CalibrationMonitor::compare_places(const SweepView& sweep, double centre) {
+  if (assignment_ == nullptr || !detector_.warmed_up()) return;
+  const ComparedPlanes& planes = image_.compared().fine;
+  const double led =
+      led_ ? dependence_.evaluate(led_->T_camera_lidar, planes, points_.compared(), camera_)
+           : centre;
+  assignment_->add(camera_of_rig_, planes, sweep, std::max(centre, led), points_.size(),
+                   detector_.noise());
+}
+
 /// Adds the scene to those that are searched, and decides whether it is time for a search.
 void CalibrationMonitor::update_search(const Motion& motion) {
   search_due_ = false;
@@ -264,6 +275,7 @@ void CalibrationMonitor::evaluate_calibrations(const CameraFrame& grey, const Sw
   detector_.add(around.axes);
   ambiguity_.add(motion);
   compare_led();
+  compare_places(sweep, around.centre);
   update_search(motion);
   if (alternative_) {
     const Surroundings other = evaluate(alternative_->T_camera_lidar, motion);
@@ -280,7 +292,9 @@ void CalibrationMonitor::fill_report(MonitorReport& report) {
   report.verdict = detector_.verdict();
   state_drift(report.verdict);
   report.verdict.delay_ambiguous_axis = ambiguity_.axis();
-  report.verdict.set_fault(camera_check_.fault());
+  report.verdict.set_fault(camera_check_.fault(), assignment_ != nullptr
+                                                      ? assignment_->images_of(camera_of_rig_)
+                                                      : std::string());
   if (report.verdict.evidence < kNegligibleEvidence) last_without_evidence_ = report.stamp;
   report.since = report.verdict.drifting() ? last_without_evidence_ : Stamp::earliest();
   if (!alternative_) return;

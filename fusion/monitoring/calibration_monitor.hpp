@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "fusion/monitoring/camera_assignment.hpp"
 #include "fusion/monitoring/camera_check.hpp"
 #include "fusion/monitoring/delay_ambiguity.hpp"
 #include "fusion/monitoring/drift_detector.hpp"
@@ -89,6 +90,13 @@ class CalibrationMonitor {
   /// Sets a new calibration and restarts the evidence.
   void set_calibration(const Eigen::Isometry3d& T_camera_lidar);
 
+  /// Compares images with the places of the rig's other cameras too; this one is `camera` there.
+  /// Outlives the monitor.
+  void set_assignment(CameraAssignment& assignment, size_t camera) {
+    assignment_ = &assignment;
+    camera_of_rig_ = camera;
+  }
+
   /// Replaces the calibration without restarting the evidence: simulates a drift, for tests.
   void inject_miscalibration(const Eigen::Isometry3d& T_camera_lidar) {
     T_camera_lidar_ = T_camera_lidar;
@@ -131,6 +139,7 @@ class CalibrationMonitor {
   };
   double led_evidence() const { return led_ && led_->matters ? led_->evidence : 0; }
   void compare_led();
+  void compare_places(const SweepView& sweep, double centre);
   void update_search(const Motion& motion);
   void state_drift(DriftVerdict& verdict) const;
   void evaluate_calibrations(const CameraFrame& grey, const SweepView& sweep, const Motion& motion,
@@ -164,6 +173,8 @@ class CalibrationMonitor {
   bool searching_ = false, search_due_ = false;
   DelayAmbiguity ambiguity_;
   CameraCheck camera_check_;
+  CameraAssignment* assignment_ = nullptr;
+  size_t camera_of_rig_ = 0;
   SceneStore scene_store_;
   std::optional<Stamp> last_stamp_, last_evaluation_;
   double travelled_ = 0, turned_ = 0;                                 // since the beginning

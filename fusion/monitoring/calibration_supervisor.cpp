@@ -191,9 +191,8 @@ void CalibrationSupervisor::observe(const MonitorReport& report, SupervisorActio
   constexpr double kHoldsBelow = 1;  // nats: odds of e
   const DriftVerdict& verdict = report.verdict;
   if (verdict.fault != CameraFault::kNone) {
-    std::string what = std::string("the camera has a fault: ") + name_of(verdict.fault);
-    if (verdict.fault == CameraFault::kLate) what += ": " + describe_drift(verdict);
-    return apply(CalibrationEvent::kFault, report.stamp, {.what = what}, actions);
+    return apply(CalibrationEvent::kFault, report.stamp,
+                 {.what = "the camera has a fault: " + describe_fault(verdict)}, actions);
   }
   if (failures_ >= options_.max_failures) {
     return apply(CalibrationEvent::kGivenUp, report.stamp, {}, actions);

@@ -86,11 +86,15 @@ CameraFault CameraCheck::classify(const Detail& detail) const {
   if (is_black(detail)) return CameraFault::kBlack;
   if (equal_images_ + 1 >= options_.frozen_images) return CameraFault::kFrozen;
   if (baseline_images_ < options_.warm_up) return CameraFault::kNone;
+  if (blurred_distance_ >= options_.dirty_distance) return CameraFault::kOutOfFocus;
+  return dirty_ ? CameraFault::kDirty : CameraFault::kNone;
+}
+
+bool CameraCheck::is_blurred(const Detail& detail) const {
   const float share = detail.fine / std::max(detail.coarse, 1e-3F);
   const float baseline = baseline_.fine / std::max(baseline_.coarse, 1e-3F);
-  if (share < static_cast<float>(options_.min_focus_ratio) * baseline)
-    return CameraFault::kOutOfFocus;
-  return dirty_ ? CameraFault::kDirty : CameraFault::kNone;
+  return baseline_images_ >= options_.warm_up &&
+         share < static_cast<float>(options_.min_focus_ratio) * baseline;
 }
 
 /// Counts consecutive checks of every cell without its usual detail. The contrast of the whole
@@ -185,15 +189,19 @@ CameraFault CameraCheck::process(const CameraFrame& grey, double travelled) {
     check_for_dirt(grey, detail);
     dirt_checked_at_ = travelled;
   }
+  const bool blurred = is_blurred(detail);
+  if (!blurred) sharp_at_ = travelled;
+  blurred_distance_ = travelled - sharp_at_;
   const CameraFault observed = classify(detail);
-  if (observed == CameraFault::kNone && travelled - baseline_updated_at_ >= kMinBaselineDistance) {
+  if (observed == CameraFault::kNone && !blurred &&
+      travelled - baseline_updated_at_ >= kMinBaselineDistance) {
     update_baseline(detail);
     baseline_updated_at_ = travelled;
   }
   candidate_images_ = observed == candidate_fault_ ? candidate_images_ + 1 : 1;
   candidate_fault_ = observed;
-  // Frozen and dirty images already are the result of many images.
-  const bool immediate = observed == CameraFault::kFrozen || observed == CameraFault::kDirty;
+  // The other faults already are the result of many images.
+  const bool immediate = observed != CameraFault::kNone && observed != CameraFault::kBlack;
   if (candidate_images_ >= options_.confirmation_images || immediate) fault_ = observed;
   return fault_;
 }

@@ -20,7 +20,8 @@ struct CameraCheckOptions {
   double min_detail_ratio = 0.35;  ///< share of the usual detail below which a cell has lost it
   double dirty_share =
       0.15;  ///< share of the cells without detail over `dirty_distance`: dirty lens
-  double dirty_distance = 48;    ///< m; a pattern that stays in place for so long is on the lens
+  double dirty_distance = 48;    ///< m; what stays in place, or lacks detail, for so long is on the
+                                 ///< lens, or the lens itself
   double static_share = 0.28;    ///< share of the image in which a pattern stays in place over
                                  ///< `dirty_distance`: dirty lens; over twice and three times this
                                  ///< distance, a half and a third suffice
@@ -35,10 +36,10 @@ struct CameraCheckOptions {
 /// Detects faults of a camera from its images alone: compares the detail in each cell of a 16 × 12
 /// grid with its baseline.
 ///
-/// Dirt does not move while the vehicle does, which separates it from a wall or a plain sky over
-/// the driven distance. It is checked every few metres by two signs: cells without detail, and
-/// blocks of a 64 × 48 grid that stay brighter, or darker, than their surroundings. Scenery
-/// alternates; blots do not. Allocates nothing.
+/// Dirt does not move while the vehicle does, and a lens out of focus blurs whatever it passes,
+/// which separates both from a wall or a plain sky over the driven distance. It is checked every
+/// few metres by two signs: cells without detail, and blocks of a 64 × 48 grid that stay brighter,
+/// or darker, than their surroundings. Scenery alternates; blots do not. Allocates nothing.
 class CameraCheck {
  public:
   /// `options.invalid()` must be empty.
@@ -64,6 +65,7 @@ class CameraCheck {
   };
   static Detail measure(const CameraFrame& grey);
   bool is_black(const Detail& detail) const;
+  bool is_blurred(const Detail& detail) const;
   CameraFault classify(const Detail& detail) const;
   void update_baseline(const Detail& detail);
   void check_for_dirt(const CameraFrame& grey, const Detail& detail);
@@ -80,6 +82,7 @@ class CameraCheck {
   PerBlock<int8_t> side_{};                   // brighter or darker than its surroundings
   PerBlock<float> level_{};                   // scratch
   bool dirty_ = false;
+  double sharp_at_ = 0, blurred_distance_ = 0;  // m driven, at the last sharp image and since
   uint64_t hash_ = 0;
   int equal_images_ = 0;
   CameraFault candidate_fault_ = CameraFault::kNone;  // of the last image

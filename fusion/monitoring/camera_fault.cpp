@@ -16,6 +16,8 @@ const char* name_of(CameraFault fault) {
       return "out of focus";
     case CameraFault::kLate:
       return "late";
+    case CameraFault::kSwapped:
+      return "swapped";
   }
   return "";
 }

@@ -12,6 +12,7 @@ enum class CameraFault : uint8_t {
   kDirty,       ///< a part of the image has lost its detail
   kOutOfFocus,  ///< fine detail is lost everywhere, coarse detail is not
   kLate,        ///< stamps are later than exposures, by `DriftVerdict::delay`
+  kSwapped,     ///< the images are those of another camera, `DriftVerdict::images_of`
 };
 
 /// Returns "black", "frozen" …

@@ -34,9 +34,22 @@ std::string describe_offset(const DriftVerdict& verdict) {
 
 }  // namespace
 
-void DriftVerdict::set_fault(CameraFault observed) {
+void DriftVerdict::set_fault(CameraFault observed, const std::string& other) {
   const bool late = drift == Drift::kConfirmed && axis == Axis::kTime;
-  fault = observed == CameraFault::kNone && late ? CameraFault::kLate : observed;
+  const bool swapped = observed == CameraFault::kNone && !other.empty();
+  fault = swapped                                  ? CameraFault::kSwapped
+          : observed == CameraFault::kNone && late ? CameraFault::kLate
+                                                   : observed;
+  images_of = swapped ? other : "";
+}
+
+std::string describe_fault(const DriftVerdict& verdict) {
+  std::string text = name_of(verdict.fault);
+  if (verdict.fault == CameraFault::kSwapped) {
+    text += ": its images are those of the camera " + verdict.images_of;
+  }
+  if (verdict.fault == CameraFault::kLate) text += ": " + describe_drift(verdict);
+  return text;
 }
 
 std::string describe_drift(const DriftVerdict& verdict) {

@@ -35,16 +35,20 @@ struct DriftVerdict {
   /// Axis along which a delay cannot be separated from a displaced camera.
   std::optional<Axis> delay_ambiguous_axis;
   CameraFault fault = CameraFault::kNone;  ///< beside the pose
+  std::string images_of;  ///< the camera of the rig whose images they are, if swapped
 
   /// True if a drift is suspected or confirmed.
   bool drifting() const { return drift == Drift::kSuspected || drift == Drift::kConfirmed; }
 
-  /// Sets the fault that the images show; without one, a confirmed drift along time is a late
-  /// camera.
-  void set_fault(CameraFault observed);
+  /// Sets the fault that the images show. Without one they may be those of `other`, a camera of the
+  /// rig, unless that is empty; and a confirmed drift along time is a late camera.
+  void set_fault(CameraFault observed, const std::string& other = {});
 };
 
 /// Describes the drift: "rotation about y by +0.52 ± 0.03° (evidence 20.4, threshold 19.1 nats)".
 std::string describe_drift(const DriftVerdict& verdict);
+
+/// Describes the fault: "black", or "swapped: its images are those of the camera left".
+std::string describe_fault(const DriftVerdict& verdict);
 
 }  // namespace infuse::monitoring

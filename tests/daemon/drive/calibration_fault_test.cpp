@@ -5,6 +5,8 @@
 
 #include <boost/asio/post.hpp>
 #include <chrono>
+#include <filesystem>
+#include <map>
 
 #include "daemon/setup/drive_setup.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
@@ -41,6 +43,56 @@ amount = 0.2
   EXPECT_EQ(history.last_report["state"], "UNUSABLE");
   EXPECT_EQ(history.last_report["T_camera_lidar"], history.first_report["T_camera_lidar"]);
   EXPECT_NEAR(history.last_report["delay_s"].get<double>(), 0.2, 0.05);
+}
+
+/// A second camera of the same kind, at the side.
+constexpr const char* kLeft = R"(
+[[camera]]
+name = "left"
+width = 480
+height = 360
+fx = 300
+position = [1.2, 0.5, 1.6]
+rotation_deg = [0.0, 2.0, 80.0]
+rate_hz = 2
+phase_s = 0.05
+samples = 1
+format = "jpg"
+)";
+
+/// Names of the cameras whose images others have, in the last report of each camera.
+std::map<std::string, std::string> images_of(const std::filesystem::path& drive) {
+  RunReplayOptions options;
+  options.pipeline.calibration.monitor.detector.false_alarm_hours = 1e-3;  // after a shorter drive
+  const auto result = run_replay(drive, options);
+  EXPECT_TRUE(result) << result.error().message();
+  std::map<std::string, std::string> found;
+  for (const std::string& line : result->lines()) {
+    EXPECT_TRUE(is_valid_message(line)) << line;
+    const nlohmann::json report = nlohmann::json::parse(line);
+    if (report["class"] == "CALIBRATION") found[report["device"]] = report.value("images_of", "");
+  }
+  return found;
+}
+
+// As after the cables were swapped. A camera that was turned away by far is none: the other one
+// still has its own images.
+TEST(CalibrationFaults, SwappedCamerasAreNamed) {
+  const TemporaryFolder folder;
+  const std::filesystem::path drive = folder / "drive";
+  make_online_drive(drive, 15, 5, kLeft);
+  using Images = std::map<std::string, std::string>;
+  EXPECT_EQ(images_of(drive), (Images{{"front", ""}, {"left", ""}}));
+
+  const std::filesystem::path front = drive / "front", left = drive / "left";
+  std::filesystem::rename(front, drive / "other");
+  std::filesystem::rename(left, front);
+  std::filesystem::rename(drive / "other", left);
+  EXPECT_EQ(images_of(drive), (Images{{"front", "left"}, {"left", "front"}}));
+
+  std::filesystem::remove_all(left);
+  std::filesystem::copy(front, left, std::filesystem::copy_options::recursive);
+  EXPECT_EQ(images_of(drive), (Images{{"front", ""}, {"left", ""}}));
 }
 
 TEST(CalibrationFaults, FrozenBlackAndDirtyAreNamed) {

@@ -63,7 +63,7 @@ TEST(CameraCheck, NamesEachFault) {
   EXPECT_EQ(fault_after(check, 5, [](int k) { return make_image(k, {.light = 0.02}); }),
             CameraFault::kBlack);
   EXPECT_EQ(fault_after(check, 5, [](int) { return make_image(100); }), CameraFault::kFrozen);
-  EXPECT_EQ(fault_after(check, 5, [](int k) { return make_image(k, {.blurred = true}); }),
+  EXPECT_EQ(fault_after(check, 20, [](int k) { return make_image(k, {.blurred = true}); }),
             CameraFault::kOutOfFocus);
   EXPECT_EQ(fault_after(check, 20, [](int k) { return make_image(k, {.patch = true}); }),
             CameraFault::kDirty);
@@ -81,6 +81,20 @@ TEST(CameraCheck, APlainWallThatIsPassedIsNoDirt) {
   }
   for (int k = 28; k < 60; ++k) {
     EXPECT_EQ(check.process(make_image(k), kImageDistance * k), CameraFault::kNone) << k;
+  }
+}
+
+// A side camera passes what has no fine detail.
+TEST(CameraCheck, AShortBlurIsNoLensOutOfFocus) {
+  const CameraCheck check = make_trained_check();
+  EXPECT_EQ(
+      fault_after(check, 40, [](int k) { return make_image(k, {.blurred = k >= 110 && k < 118}); }),
+      CameraFault::kNone);
+  CameraCheck passing = make_trained_check();
+  for (int k = 20; k < 60; ++k) {
+    EXPECT_EQ(passing.process(make_image(k, {.blurred = k % 10 < 8}), kImageDistance * k),
+              CameraFault::kNone)
+        << k;
   }
 }
 

@@ -51,6 +51,12 @@ TEST(DriftVerdict, ADriftAlongTimeIsALateCamera) {
   late.drift = Drift::kHolds;
   late.set_fault(CameraFault::kNone);
   EXPECT_EQ(late.fault, CameraFault::kNone);
+  late.set_fault(CameraFault::kNone, "left");
+  EXPECT_EQ(late.fault, CameraFault::kSwapped);
+  EXPECT_EQ(describe_fault(late), "swapped: its images are those of the camera left");
+  late.set_fault(CameraFault::kFrozen, "left");
+  EXPECT_EQ(describe_fault(late), "frozen");
+  EXPECT_EQ(late.images_of, "");
   DriftVerdict moved = verdict_along(Axis::kRotationX);
   moved.set_fault(CameraFault::kNone);
   EXPECT_EQ(moved.fault, CameraFault::kNone);
