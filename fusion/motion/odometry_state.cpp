@@ -13,7 +13,6 @@ constexpr double kUnknownSpeedSigma = 40;             // m/s: speed unknown
 constexpr double kUnknownAngularVelocitySigma = 1.5;  // rad/s: rotation unknown
 constexpr double kRecentTimeConstant = 0.3;           // s of motion that a sample corrects
 constexpr double kTiltRateTimeConstant = 0.2;         // s in which roll and pitch rate decay
-constexpr double kTurnTimeConstant = 0.1;             // s over which a change of rotation is seen
 // Of cars, steering ratios of 12 to 20, where none is stated; a stated one holds with the
 // wheelbase.
 constexpr double kUsualSteeringRatio = 16, kUnknownRatioSigma = 0.25, kStatedRatioSigma = 0.03;
@@ -33,8 +32,6 @@ OdometryState::OdometryState(const OdometryOptions& options) : options_(options)
   x_[kSteeringGain] = 1 / (stated ? options.steering_ratio : kUsualSteeringRatio);
   P_(kSteeringGain, kSteeringGain) =
       square(x_[kSteeringGain] * (stated ? kStatedRatioSigma : kUnknownRatioSigma));
-  P_(kYawRateDelay, kYawRateDelay) = square(options.yaw_rate_delay_sigma);
-  P_(kGyroDelay, kGyroDelay) = square(options.imu_delay_sigma);
   P_(kGnssDelay, kGnssDelay) = square(options.gnss_delay_sigma);
   P_(kSideSlip, kSideSlip) = square(options.side_slip_sigma);
   P_(kGnssLever, kGnssLever) = square(options.gnss_lever_sigma);
@@ -165,9 +162,6 @@ void OdometryState::predict(double seconds) {
   x_[kSteeringZero] *= steering_zero_decay;
   x_.segment<2>(kAngularVelocity) *= tilt_decay;
   x_.segment<6>(kLidarDrift) *= drift_decay;
-  const double turn_decay = std::exp(-dt / kTurnTimeConstant);
-  slow_angular_velocity_ =
-      turn_decay * slow_angular_velocity_ + (1 - turn_decay) * angular_velocity();
 
   // New pose error is added to the recent part, which fades.
   const MotionMatrix PFt = P_.topLeftCorner<kMotionSize, kMotionSize>() * F.transpose();
@@ -201,9 +195,7 @@ void OdometryState::predict(double seconds) {
     P_(kGyroBias + i, kGyroBias + i) += square(options_.bias_walk) * dt;
   }
   if (has_wheels_) P_(kWheelScale, kWheelScale) += square(options_.wheel_scale_walk) * dt;
-  for (const int i : {int{kYawRateDelay}, int{kGyroDelay}, int{kGnssDelay}}) {
-    P_(i, i) += square(options_.delay_walk) * dt;
-  }
+  P_(kGnssDelay, kGnssDelay) += square(options_.delay_walk) * dt;
   P_(kSteeringZero, kSteeringZero) +=
       square(options_.steering_zero_sigma) * (1 - steering_zero_decay * steering_zero_decay);
   for (int i = 0; i < 6; ++i) {
@@ -211,10 +203,6 @@ void OdometryState::predict(double seconds) {
         square(i < 3 ? options_.lidar_rotation_drift : options_.lidar_translation_drift) *
         (1 - drift_decay * drift_decay);
   }
-}
-
-Eigen::Vector3d OdometryState::angular_acceleration() const {
-  return (angular_velocity() - slow_angular_velocity_) / kTurnTimeConstant;
 }
 
 bool OdometryState::update(double innovation, const Vector& derivative, double noise, double gate) {
