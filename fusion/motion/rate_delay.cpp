@@ -11,15 +11,18 @@
 namespace infuse::motion {
 namespace {
 
-constexpr double kStep = 0.01;            // s between candidates; a parabola refines them
-constexpr Duration kMaxGap{300'000'000};  // between samples: a bus's yaw rate at 10 Hz, two lost
-constexpr Duration kBlock{1'000'000'000};
-constexpr size_t kBlocks = 120;
-// Samples up to 1 s before the newest, at 1 kHz: motions wait for the latest candidate, and a
+constexpr double kStep = 0.01;  // s between candidates, which a parabola refines: derived from the
+                                // lidar's 0.1 s a turn, over which the rates are averaged
+constexpr Duration kMaxGap{300'000'000};   // between samples: derived from buses at 10 Hz, two lost
+constexpr Duration kBlock{1'000'000'000};  // derived from kSteps: twice what a motion is compared
+                                           // with, so that blocks share few samples
+constexpr size_t kBlocks = 120;            // bounds the memory: two minutes
+// This bounds the memory: 1 s of samples at 1 kHz. Motions wait for the latest candidate, and a
 // registration takes a few tenths of a second.
 constexpr size_t kAngles = 1024, kWaiting = 64;
-constexpr double kMaxRate = 35;            // rad/s: the range of gyros, 2000 °/s
-constexpr double kTurnTimeConstant = 0.1;  // s over which a change of rotation is seen
+constexpr double kMaxRate = 35;  // rad/s: 2000 °/s, the widest range on the data sheet of a gyro
+constexpr double kTurnTimeConstant =
+    0.1;  // s, derived from the lidar's turn: changes over it are what shows the delay
 
 Eigen::Array3d squared(const Eigen::Array3d& value) { return value * value; }
 
@@ -125,7 +128,7 @@ void RateDelay::compare(const RelativePose& motion) {
   }
 }
 
-// Beyond this, angular rates are rounded: an axis that is not measured has no error at all.
+// Angular rates are rounded: an axis that is not measured has no error at all.
 constexpr double kLeastVariance = 1e-12;  // (rad/s)²
 
 RateDelay::Rates RateDelay::variance_of(const Block& total, Eigen::Index i) {
@@ -133,9 +136,14 @@ RateDelay::Rates RateDelay::variance_of(const Block& total, Eigen::Index i) {
          kLeastVariance;
 }
 
+const SensorDelay& RateDelay::finish() {
+  find();
+  return found_;
+}
+
 void RateDelay::find() {
-  constexpr double kSure = 1e-6;       // the rates explain the rotations by chance
-  constexpr double kMaxSigma = 0.015;  // s: turns a sharp bend (0.5 rad/s) by half a degree
+  constexpr double kSure = 1e-6;  // one in a million: the rates explain the rotations by chance
+  constexpr double kMaxSigma = 0.015;  // s, derived from half a degree in a sharp bend, 0.5 rad/s
   Block total = blocks_[block_];
   for (size_t i = 0; i < kBlocks; ++i) {
     if (i == block_) continue;

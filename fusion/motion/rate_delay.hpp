@@ -35,11 +35,13 @@ class RateDelay {
 
   /// What was found last; it stays while the vehicle drives straight on.
   const SensorDelay& found() const { return found_; }
+  /// The same, with the last second: at the end of a recording.
+  const SensorDelay& finish();
   /// rad/s², of the last tenths of a second; an axis that is not measured: 0.
   const Eigen::Vector3d& change() const { return change_; }
 
  private:
-  static constexpr int kSteps = 25;  // either way
+  static constexpr int kSteps = 25;  // either way: 0.25 s; bounds the work
   static constexpr Eigen::Index kCandidates = 2 * kSteps + 1;
   /// Angles that the sensor measured until a time.
   struct Angle {
