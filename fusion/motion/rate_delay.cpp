@@ -129,11 +129,11 @@ void RateDelay::compare(const RelativePose& motion) {
 }
 
 // Angular rates are rounded: an axis that is not measured has no error at all.
-constexpr double kLeastVariance = 1e-12;  // (rad/s)²
+constexpr double kRoundedVariance = 1e-12;  // (rad/s)²
 
 RateDelay::Rates RateDelay::variance_of(const Block& total, Eigen::Index i) {
   return total.squares.col(i) / total.count - squared(total.sum.col(i) / total.count) +
-         kLeastVariance;
+         kRoundedVariance;
 }
 
 const SensorDelay& RateDelay::finish() {
