@@ -17,6 +17,10 @@ constexpr double kTiltRateTimeConstant = 0.2;         // s in which roll and pit
 // wheelbase.
 constexpr double kUsualSteeringRatio = 16, kUnknownRatioSigma = 0.25, kStatedRatioSigma = 0.03;
 
+// Standard deviations beyond which an error counts in proportion, not by its square: 95 % of a
+// Gaussian's efficiency (Huber 1964).
+constexpr double kTail = 1.345;
+
 double square(double x) { return x * x; }
 
 }  // namespace
@@ -207,8 +211,10 @@ void OdometryState::predict(double seconds) {
 
 bool OdometryState::update(double innovation, const Vector& derivative, double noise, double gate) {
   const Vector PH = P_ * derivative;
-  const double variance = derivative.dot(PH) + square(noise);
-  if (!(square(innovation) <= square(gate) * variance)) return false;  // NaN too
+  const double stated = derivative.dot(PH) + square(noise);
+  if (!(square(innovation) <= square(gate) * stated)) return false;  // NaN too
+  const double sigmas = std::abs(innovation) / std::sqrt(stated);
+  const double variance = stated + square(noise) * std::max(0.0, sigmas / kTail - 1);
   Vector gain = PH / variance;
   const geometry::Vector6 recent_gain = recent_ * derivative.head<kMotionSize>() / variance;
   if (is_moving() || !derivative.head<3>().isZero(0)) {
