@@ -69,6 +69,8 @@ struct DriveDescription {
   std::optional<CanFiles> can;       ///< nothing: no bus
   std::string speed;                 ///< speed.csv; empty: none
   std::string imu;                   ///< imu.csv; empty: none
+  Duration imu_delay{0};             ///< from its measurements to its stamps, subtracted
+  Duration imu_delay_sigma{0};       ///< standard deviation of the same; 0: it was not measured
   std::string gnss;                  ///< gnss.csv; empty: none
   std::string gnss_lidar;   ///< lidar whose position packets carry the fixes instead; empty: none
   std::string map;          ///< OpenStreetMap XML; empty: none

@@ -45,6 +45,11 @@ void add_text(std::string& text, const char* key, const std::string& value) {
   if (!value.empty()) add(text, key, format_string(value));
 }
 
+void add_ms(std::string& text, const char* key, Duration value) {
+  if (value == Duration::zero()) return;
+  add(text, key, format_number(static_cast<double>(value.count()) / 1e6));
+}
+
 void add_transform(std::string& text, const char* key, const Eigen::Isometry3d& T) {
   text += std::string(key) + " = [\n";
   for (int row = 0; row < 4; ++row) {
@@ -111,13 +116,9 @@ void add_mount(std::string& text, const CameraMount& mount) {
   add(text, "distortion", format_numbers(std::span(intrinsics.distortion).first(fisheye ? 4 : 5)));
   add_text(text, "lidar", mount.lidar);
   add_transform(text, "T_camera_lidar", mount.T_camera_lidar);
-  const auto add_ms = [&](const char* key, Duration value) {
-    if (value == Duration::zero()) return;
-    add(text, key, format_number(static_cast<double>(value.count()) / 1e6));
-  };
-  add_ms("stamp_delay_ms", mount.stamp_delay);
-  add_ms("stamp_delay_sigma_ms", mount.stamp_delay_sigma);
-  add_ms("readout_ms", mount.readout);
+  add_ms(text, "stamp_delay_ms", mount.stamp_delay);
+  add_ms(text, "stamp_delay_sigma_ms", mount.stamp_delay_sigma);
+  add_ms(text, "readout_ms", mount.readout);
 }
 
 void add_files(std::string& text, const CameraFiles& files) {
@@ -165,6 +166,8 @@ std::string format_drive(const DriveDescription& drive) {
   if (drive.can) add_can(text, *drive.can);
   add_path_table(text, "speed", drive.speed);
   add_path_table(text, "imu", drive.imu);
+  add_ms(text, "delay_ms", drive.imu_delay);
+  add_ms(text, "delay_sigma_ms", drive.imu_delay_sigma);
   add_path_table(text, "gnss", drive.gnss);
   if (!drive.gnss_lidar.empty()) {
     text += "\n[gnss]\n";

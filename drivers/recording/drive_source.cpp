@@ -42,7 +42,8 @@ std::vector<Stream> open_streams(const Drive& drive) {
   if (description.can) streams.push_back(open_can_stream(drive.resolve(description.can->log)));
   if (!description.speed.empty())
     streams.push_back(open_speed_stream(drive.resolve(description.speed)));
-  if (!description.imu.empty()) streams.push_back(open_imu_stream(drive.resolve(description.imu)));
+  if (!description.imu.empty())
+    streams.push_back(open_imu_stream(drive.resolve(description.imu), description.imu_delay));
   if (!description.gnss.empty())
     streams.push_back(open_gnss_stream(drive.resolve(description.gnss)));
   return streams;

@@ -100,22 +100,25 @@ void read_intrinsics(TomlTable& table, CameraIntrinsics& intrinsics) {
   std::copy(distortion.begin(), distortion.end(), intrinsics.distortion.begin());
 }
 
+/// Reads `name`_ms and `name`_sigma_ms.
+void read_delay(TomlTable& table, const std::string& name, Duration& delay, Duration& sigma) {
+  const auto read = [&](const std::string& key, double least, const char* range, Duration& value) {
+    double ms = 0;
+    table.read(key, ms);
+    if (!(ms >= least && ms <= 10'000)) table.report_error(key, key + range);
+    value = from_seconds(ms * 1e-3);
+  };
+  read(name + "_ms", -10'000, " must lie within ±10000", delay);
+  read(name + "_sigma_ms", 0, " must be 0 ... 10000", sigma);
+}
+
 void read_mount(TomlTable& table, CameraMount& mount) {
   for (const char* key : {"name", "lidar", "T_camera_lidar"}) table.require(key);
   read_name(table, mount.name);
   read_intrinsics(table, mount.intrinsics);
   table.read("lidar", mount.lidar);
   table.read("T_camera_lidar", mount.T_camera_lidar);
-  double delay_ms = 0;
-  table.read("stamp_delay_ms", delay_ms);
-  if (!(delay_ms >= -10'000 && delay_ms <= 10'000))
-    table.report_error("stamp_delay_ms", "stamp_delay_ms must lie within ±10000");
-  mount.stamp_delay = from_seconds(delay_ms * 1e-3);
-  double sigma_ms = 0;
-  table.read("stamp_delay_sigma_ms", sigma_ms);
-  if (!(sigma_ms >= 0 && sigma_ms <= 10'000))
-    table.report_error("stamp_delay_sigma_ms", "stamp_delay_sigma_ms must be 0 ... 10000");
-  mount.stamp_delay_sigma = from_seconds(sigma_ms * 1e-3);
+  read_delay(table, "stamp_delay", mount.stamp_delay, mount.stamp_delay_sigma);
   double readout_ms = 0;
   table.read("readout_ms", readout_ms);
   if (!(readout_ms >= -kMaxReadoutMs && readout_ms <= kMaxReadoutMs))
@@ -145,7 +148,7 @@ std::optional<Error> read_can(const toml::table& source, const std::string& file
   return read_can_signals(*signals, file, can.signals);
 }
 
-// Reads one of the tables [imu], [gnss], [map], [truth], which contain only paths.
+// Reads one of the tables [speed], [gnss], [map], [truth], which contain only paths.
 std::optional<Error> read_paths(TomlTable& root, const std::string& file, std::string_view name,
                                 std::initializer_list<std::pair<const char*, std::string*>> keys) {
   const toml::table* source = root.table(name);
@@ -188,7 +191,12 @@ std::optional<Error> read_drive(const toml::table& source, const std::string& fi
     if (auto wrong = read_can(*can, file, drive.can.emplace())) return wrong;
   }
   if (auto wrong = read_paths(root, file, "speed", {{"file", &drive.speed}})) return wrong;
-  if (auto wrong = read_paths(root, file, "imu", {{"file", &drive.imu}})) return wrong;
+  if (const toml::table* imu = root.table("imu")) {
+    TomlTable table(*imu, file, "imu");
+    table.read("file", drive.imu);
+    read_delay(table, "delay", drive.imu_delay, drive.imu_delay_sigma);
+    if (auto wrong = table.finish()) return wrong;
+  }
   for (const char* name : {"gps", "gnss"}) {  // gps: drives of earlier versions
     if (auto wrong =
             read_paths(root, file, name, {{"file", &drive.gnss}, {"lidar", &drive.gnss_lidar}})) {

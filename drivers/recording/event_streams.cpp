@@ -193,11 +193,13 @@ class CanStream : public EventStream {
 template <class Csv, class Sample>
 class SampleStream : public EventStream {
  public:
-  explicit SampleStream(Csv csv) : csv_(std::move(csv)) {}
+  explicit SampleStream(Csv csv, Duration delay = Duration::zero())
+      : csv_(std::move(csv)), delay_(delay) {}
 
   bool next(DriveEvent& event) override {
     Sample sample;
     if (!csv_.next(sample)) return false;
+    sample.stamp = sample.stamp - delay_;
     event.stamp = sample.stamp;
     event.content = sample;
     return true;
@@ -207,6 +209,7 @@ class SampleStream : public EventStream {
 
  private:
   Csv csv_;
+  Duration delay_;
 };
 
 }  // namespace
@@ -246,10 +249,11 @@ Result<std::unique_ptr<EventStream>> open_speed_stream(const std::filesystem::pa
   return std::make_unique<SampleStream<SpeedCsv, WheelOdometry>>(std::move(*csv));
 }
 
-Result<std::unique_ptr<EventStream>> open_imu_stream(const std::filesystem::path& path) {
+Result<std::unique_ptr<EventStream>> open_imu_stream(const std::filesystem::path& path,
+                                                     Duration delay) {
   auto csv = ImuCsv::open(path);
   if (!csv) return tl::unexpected(csv.error());
-  return std::make_unique<SampleStream<ImuCsv, ImuSample>>(std::move(*csv));
+  return std::make_unique<SampleStream<ImuCsv, ImuSample>>(std::move(*csv), delay);
 }
 
 Result<std::unique_ptr<EventStream>> open_gnss_stream(const std::filesystem::path& path) {

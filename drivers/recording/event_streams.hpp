@@ -40,8 +40,9 @@ Result<std::unique_ptr<EventStream>> open_can_stream(const std::filesystem::path
 /// Opens a speed.csv.
 Result<std::unique_ptr<EventStream>> open_speed_stream(const std::filesystem::path& path);
 
-/// Opens an imu.csv.
-Result<std::unique_ptr<EventStream>> open_imu_stream(const std::filesystem::path& path);
+/// Opens an imu.csv; `delay` is subtracted from its stamps.
+Result<std::unique_ptr<EventStream>> open_imu_stream(const std::filesystem::path& path,
+                                                     Duration delay);
 
 /// Opens a gnss.csv.
 Result<std::unique_ptr<EventStream>> open_gnss_stream(const std::filesystem::path& path);

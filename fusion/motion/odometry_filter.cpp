@@ -52,6 +52,19 @@ double gnss_course_noise(const OdometryOptions& options, double interval) {
          std::sqrt(std::max(1.0, kUnchanged / std::max(interval, kMinInterval)));
 }
 
+/// What a sensor of angular rates would state now, and its noise, rad/s.
+struct LateRate {
+  double value, noise;
+};
+
+/// The rate goes on to change as it did. A sample holds until the next: on average it is half an
+/// interval later than it is used. The noise of the change is left out, since the angle is its sum.
+LateRate late_rate(double measured, double noise, double change, const EstimatedParameter& delay,
+                   double interval) {
+  return {measured + change * (delay.value + 0.5 * interval),
+          std::hypot(noise, change * delay.sigma)};
+}
+
 /// Error along the path of a lidar's motion that contradicts the speed of wheels, m; 0 if it does
 /// not.
 double contradiction_along(const RelativePoseUpdate& update, double seconds) {
@@ -131,6 +144,8 @@ void OdometryFilter::reset_clock() {
   now_ = last_steering_stamp_ = Stamp::earliest();
   sources_.reset();
   gnss_position_check_.reset();
+  yaw_rate_delay_.reset();
+  imu_delay_.reset();
   last_relative_pose_.reset();
   speed_agreement_.reset();
   last_wheels_.reset();
@@ -183,7 +198,12 @@ void OdometryFilter::update(const PoseMark& mark) {
 void OdometryFilter::update(const WheelOdometry& sample) {
   if (measures_speed(sample)) update_wheel_speeds(sample);
   if (std::isfinite(sample.yaw_rate)) {
-    record(OdometrySource::kYawRate, state_.update_yaw_rate(sample.yaw_rate),
+    const EstimatedParameter delay = delay_of(OdometrySource::kYawRate);
+    yaw_rate_delay_.add(now_, {std::nan(""), std::nan(""), sample.yaw_rate});
+    const LateRate rate =
+        late_rate(sample.yaw_rate, options_.yaw_rate_noise, yaw_rate_delay_.change().z(), delay,
+                  sources_[OdometrySource::kYawRate].interval);
+    record(OdometrySource::kYawRate, state_.update_yaw_rate(rate.value, rate.noise),
            &OdometryState::reset_rotation_covariance);
   }
   if (std::isfinite(sample.steering_angle) && now_ - last_steering_stamp_ >= kMinSteeringInterval) {
@@ -263,16 +283,31 @@ void OdometryFilter::update(const ImuSample& sample) {
       options_.planar ? std::isfinite(sample.angular_velocity[2])
                       : std::all_of(sample.angular_velocity.begin(), sample.angular_velocity.end(),
                                     [](double v) { return std::isfinite(v); });
-  if (whole) {
-    record(OdometrySource::kGyro, state_.update_gyro(sample),
-           &OdometryState::reset_rotation_covariance);
-  }
+  if (whole) update_gyro(sample.angular_velocity, options_.gyro_noise);
   if (any_finite(sample.linear_acceleration)) state_.update_gravity(sample);
 }
 
 void OdometryFilter::update(const AngularVelocity& sample) {
-  record(OdometrySource::kGyro, state_.update_gyro(sample),
+  update_gyro(sample.value, sample.noise);
+}
+
+// Roll and pitch shake: their changes are noise.
+void OdometryFilter::update_gyro(const std::array<double, 3>& rate, double noise) {
+  const Eigen::Map<const Eigen::Vector3d> measured(rate.data());
+  imu_delay_.add(now_, measured);
+  const LateRate yaw =
+      late_rate(rate[2], noise, imu_delay_.change().z(), delay_of(OdometrySource::kGyro),
+                sources_[OdometrySource::kGyro].interval);
+  record(OdometrySource::kGyro,
+         state_.update_gyro({rate[0], rate[1], yaw.value}, {noise, noise, yaw.noise}),
          &OdometryState::reset_rotation_covariance);
+}
+
+EstimatedParameter OdometryFilter::delay_of(OdometrySource rates) const {
+  const bool gyro = rates == OdometrySource::kGyro;
+  const SensorDelay& found = (gyro ? imu_delay_ : yaw_rate_delay_).found();
+  if (found.usable()) return {found.value, found.sigma};
+  return {0, gyro ? options_.imu_delay_sigma : options_.yaw_rate_delay_sigma};
 }
 
 void OdometryFilter::update(const GnssFix& fix) {
@@ -363,6 +398,10 @@ void OdometryFilter::add(const RelativePose& pose) {
   sources_.add(OdometrySource::kLidar, result.accepted, now_, result.speed_measured,
                result.rotation_measured);
   outliers_ += result.accepted ? 0 : 1;
+  if (result.accepted && result.rotation_measured) {
+    yaw_rate_delay_.add(pose);
+    imu_delay_.add(pose);
+  }
   if (result.accepted && usable()) trajectory_.correct(pose, result, state_, now_);
 }
 
@@ -459,11 +498,8 @@ OdometryReport OdometryFilter::report() const {
   }
   report.steering_zero = state_.parameter(OdometryState::kSteeringZero);
   report.steering_gain = state_.parameter(OdometryState::kSteeringGain);
-  // A sample holds until the next: on average it is half an interval later than it is used.
-  report.yaw_rate_delay = state_.parameter(OdometryState::kYawRateDelay);
-  report.yaw_rate_delay.value -= 0.5 * sources_[OdometrySource::kYawRate].interval;
-  report.imu_delay = state_.parameter(OdometryState::kGyroDelay);
-  report.imu_delay.value -= 0.5 * sources_[OdometrySource::kGyro].interval;
+  report.yaw_rate_delay = delay_of(OdometrySource::kYawRate);
+  report.imu_delay = delay_of(OdometrySource::kGyro);
   report.gnss_delay = state_.parameter(OdometryState::kGnssDelay);
   report.speed = state_.speed();
   report.speed_sigma = state_.speed_sigma();

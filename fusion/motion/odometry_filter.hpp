@@ -6,6 +6,7 @@
 #include "fusion/motion/gnss_position_check.hpp"
 #include "fusion/motion/odometry_sources.hpp"
 #include "fusion/motion/odometry_trajectory.hpp"
+#include "fusion/motion/rate_delay.hpp"
 #include "fusion/motion/sample_queue.hpp"
 
 namespace infuse::motion {
@@ -101,6 +102,8 @@ class OdometryFilter {
   void update(const AngularVelocity& sample);
   void update(const GnssFix& fix);
   void update(const PoseMark& mark);
+  void update_gyro(const std::array<double, 3>& rate, double noise);
+  EstimatedParameter delay_of(OdometrySource rates) const;
   void update_wheel_speeds(const WheelOdometry& sample);
   bool have_jumped(const WheelOdometry& sample, bool at_rest);
   bool readmit_wheels(const WheelOdometry& sample);
@@ -133,6 +136,7 @@ class OdometryFilter {
     double gnss = 0, filter = 0;
   };
   std::optional<SpeedAgreement> speed_agreement_;
+  RateDelay yaw_rate_delay_, imu_delay_;
   Stamp last_gnss_speed_stamp_ = Stamp::earliest();
   Stamp last_course_stamp_ = Stamp::earliest();
   bool wheels_suspended_ = false;

@@ -64,10 +64,10 @@ struct OdometryOptions {
   double wheel_scale_sigma = 0.01;     ///< initial
   double wheel_scale_walk = 1e-5;      ///< per √s
   double steering_zero_sigma = 0.01;   ///< rad at the steering wheel, including road camber
-  double yaw_rate_delay_sigma = 0.05;  ///< s, initial: what remains of `wheel_delay`
+  double yaw_rate_delay_sigma = 0.05;  ///< s, until a lidar shows what remains of `wheel_delay`
   double imu_delay_sigma = 0.05;       ///< s, the same
   double gnss_delay_sigma = 0.1;       ///< s, the same; receivers state speeds 0.1 to 0.4 s late
-  double delay_walk = 0.002;           ///< s per √s
+  double delay_walk = 0.002;           ///< s per √s, of the GNSS receiver
   double side_slip_sigma = 0.005;      ///< rad per m/s² across: a car at its rear axle
   double gnss_lever_sigma = 1.5;       ///< m along the vehicle: a receiver may be anywhere on it
   Duration steering_zero_time_constant{20'000'000'000};  ///< ns, time constant of its change

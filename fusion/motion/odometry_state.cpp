@@ -13,10 +13,13 @@ constexpr double kUnknownSpeedSigma = 40;             // m/s: speed unknown
 constexpr double kUnknownAngularVelocitySigma = 1.5;  // rad/s: rotation unknown
 constexpr double kRecentTimeConstant = 0.3;           // s of motion that a sample corrects
 constexpr double kTiltRateTimeConstant = 0.2;         // s in which roll and pitch rate decay
-constexpr double kTurnTimeConstant = 0.1;             // s over which a change of rotation is seen
 // Of cars, steering ratios of 12 to 20, where none is stated; a stated one holds with the
 // wheelbase.
 constexpr double kUsualSteeringRatio = 16, kUnknownRatioSigma = 0.25, kStatedRatioSigma = 0.03;
+
+// Standard deviations beyond which an error counts in proportion, not by its square: 95 % of a
+// Gaussian's efficiency (Huber 1964).
+constexpr double kTail = 1.345;
 
 double square(double x) { return x * x; }
 
@@ -33,8 +36,6 @@ OdometryState::OdometryState(const OdometryOptions& options) : options_(options)
   x_[kSteeringGain] = 1 / (stated ? options.steering_ratio : kUsualSteeringRatio);
   P_(kSteeringGain, kSteeringGain) =
       square(x_[kSteeringGain] * (stated ? kStatedRatioSigma : kUnknownRatioSigma));
-  P_(kYawRateDelay, kYawRateDelay) = square(options.yaw_rate_delay_sigma);
-  P_(kGyroDelay, kGyroDelay) = square(options.imu_delay_sigma);
   P_(kGnssDelay, kGnssDelay) = square(options.gnss_delay_sigma);
   P_(kSideSlip, kSideSlip) = square(options.side_slip_sigma);
   P_(kGnssLever, kGnssLever) = square(options.gnss_lever_sigma);
@@ -165,9 +166,6 @@ void OdometryState::predict(double seconds) {
   x_[kSteeringZero] *= steering_zero_decay;
   x_.segment<2>(kAngularVelocity) *= tilt_decay;
   x_.segment<6>(kLidarDrift) *= drift_decay;
-  const double turn_decay = std::exp(-dt / kTurnTimeConstant);
-  slow_angular_velocity_ =
-      turn_decay * slow_angular_velocity_ + (1 - turn_decay) * angular_velocity();
 
   // New pose error is added to the recent part, which fades.
   const MotionMatrix PFt = P_.topLeftCorner<kMotionSize, kMotionSize>() * F.transpose();
@@ -201,9 +199,7 @@ void OdometryState::predict(double seconds) {
     P_(kGyroBias + i, kGyroBias + i) += square(options_.bias_walk) * dt;
   }
   if (has_wheels_) P_(kWheelScale, kWheelScale) += square(options_.wheel_scale_walk) * dt;
-  for (const int i : {int{kYawRateDelay}, int{kGyroDelay}, int{kGnssDelay}}) {
-    P_(i, i) += square(options_.delay_walk) * dt;
-  }
+  P_(kGnssDelay, kGnssDelay) += square(options_.delay_walk) * dt;
   P_(kSteeringZero, kSteeringZero) +=
       square(options_.steering_zero_sigma) * (1 - steering_zero_decay * steering_zero_decay);
   for (int i = 0; i < 6; ++i) {
@@ -213,14 +209,12 @@ void OdometryState::predict(double seconds) {
   }
 }
 
-Eigen::Vector3d OdometryState::angular_acceleration() const {
-  return (angular_velocity() - slow_angular_velocity_) / kTurnTimeConstant;
-}
-
 bool OdometryState::update(double innovation, const Vector& derivative, double noise, double gate) {
   const Vector PH = P_ * derivative;
-  const double variance = derivative.dot(PH) + square(noise);
-  if (!(square(innovation) <= square(gate) * variance)) return false;  // NaN too
+  const double stated = derivative.dot(PH) + square(noise);
+  if (!(square(innovation) <= square(gate) * stated)) return false;  // NaN too
+  const double sigmas = std::abs(innovation) / std::sqrt(stated);
+  const double variance = stated + square(noise) * std::max(0.0, sigmas / kTail - 1);
   Vector gain = PH / variance;
   const geometry::Vector6 recent_gain = recent_ * derivative.head<kMotionSize>() / variance;
   if (is_moving() || !derivative.head<3>().isZero(0)) {

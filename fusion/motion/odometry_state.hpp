@@ -5,7 +5,6 @@
 
 #include "drivers/measurement/vehicle_samples.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
-#include "fusion/motion/angular_velocity.hpp"
 #include "fusion/motion/odometry_options.hpp"
 #include "fusion/motion/relative_pose.hpp"
 
@@ -64,13 +63,11 @@ class OdometryState {
     kVerticalVelocity = 25,  ///< m/s along z, the same
     kFrameTilt = 26,         ///< rad about x and y: the odometry frame, relative to a level one
     kSteeringGain = 28,      ///< road wheel angle over steering wheel angle
-    kYawRateDelay = 29,      ///< s from measurement to stamp; with half an interval of samples
-    kGyroDelay = 30,         ///< s, the same of the inertial unit
-    kGnssDelay = 31,         ///< s, the same of the GNSS receiver, without the half interval
-    kSideSlip = 32,          ///< rad of the course per m/s² across: course minus heading
-    kGnssLever = 33,         ///< m ahead of the rear axle, of the GNSS receiver
-    kMotionSize = 34,
-    kSize = 52,  ///< with the clones
+    kGnssDelay = 29,         ///< s from measurement to stamp, of the GNSS receiver
+    kSideSlip = 30,          ///< rad of the course per m/s² across: course minus heading
+    kGnssLever = 31,         ///< m ahead of the rear axle, of the GNSS receiver
+    kMotionSize = 32,
+    kSize = 50,  ///< with the clones
   };
   static constexpr size_t kMaxClones = (kSize - kMotionSize) / 6;
   using Vector = Eigen::Matrix<double, kSize, 1>;
@@ -91,9 +88,8 @@ class OdometryState {
   int update_wheels(const WheelOdometry& sample);
   /// Updates with one sample. Returns false if the sample is inconsistent with the motion or
   /// carries no information.
-  bool update_yaw_rate(double yaw_rate);
-  bool update_gyro(const ImuSample& sample);
-  bool update_gyro(const AngularVelocity& measured);
+  bool update_yaw_rate(double yaw_rate, double noise);                          ///< noise: rad/s
+  bool update_gyro(const Eigen::Vector3d& rate, const Eigen::Vector3d& noise);  ///< noise: rad/s
   bool update_gravity(const ImuSample& sample);
   bool update_steering(double steering_angle);
   bool update_gnss_speed(double speed, double noise);           ///< noise: m/s
@@ -153,8 +149,6 @@ class OdometryState {
   }
   /// 1: forward, −1: reverse.
   double driving_direction() const;
-  /// rad/s², of the last tenths of a second.
-  Eigen::Vector3d angular_acceleration() const;
   /// Derivative of `speed()`'s magnitude; along x where the vehicle stands.
   Vector speed_derivative() const;
   bool update(double innovation, const Vector& derivative, double noise, double gate);
@@ -178,8 +172,6 @@ class OdometryState {
   RecentMatrix recent_ = RecentMatrix::Zero();
   std::array<Clone, kMaxClones> clones_;
   bool has_wheels_ = false;
-  // Angular velocity, delayed: what the present one exceeds it by is the angular acceleration.
-  Eigen::Vector3d slow_angular_velocity_ = Eigen::Vector3d::Zero();
 };
 
 }  // namespace infuse::motion

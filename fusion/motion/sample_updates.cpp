@@ -57,32 +57,21 @@ bool OdometryState::agrees(const WheelOdometry& sample, double tolerance) const 
   return std::abs(sample.speed - x_[kSpeed]) <= tolerance;
 }
 
-bool OdometryState::update_yaw_rate(double yaw_rate) {
+bool OdometryState::update_yaw_rate(double yaw_rate, double noise) {
   Vector H = Vector::Zero();
   H[kAngularVelocity + 2] = H[kYawRateBias] = 1;
-  H[kYawRateDelay] = -angular_acceleration().z();
-  const double expected =
-      x_[kAngularVelocity + 2] + x_[kYawRateBias] + H[kYawRateDelay] * x_[kYawRateDelay];
-  return update(yaw_rate - expected, H, options_.yaw_rate_noise, kGateSigmas);
+  const double expected = x_[kAngularVelocity + 2] + x_[kYawRateBias];
+  return update(yaw_rate - expected, H, noise, kGateSigmas);
 }
 
-bool OdometryState::update_gyro(const ImuSample& sample) {
-  return update_gyro(AngularVelocity{sample.stamp, sample.angular_velocity, options_.gyro_noise});
-}
-
-bool OdometryState::update_gyro(const AngularVelocity& measured) {
+bool OdometryState::update_gyro(const Eigen::Vector3d& rate, const Eigen::Vector3d& noise) {
   bool accepted = true;
-  const Eigen::Vector3d change = angular_acceleration();
   for (int i = options_.planar ? 2 : 0; i < 3; ++i) {
-    if (!std::isfinite(measured.value[static_cast<size_t>(i)])) continue;
+    if (!std::isfinite(rate[i])) continue;
     Vector H = Vector::Zero();
     H[kAngularVelocity + i] = H[kGyroBias + i] = 1;
-    if (i == 2) H[kGyroDelay] = -change.z();  // roll and pitch shake: their changes are noise
-    const double expected =
-        x_[kAngularVelocity + i] + x_[kGyroBias + i] + H[kGyroDelay] * x_[kGyroDelay];
-    accepted =
-        update(measured.value[static_cast<size_t>(i)] - expected, H, measured.noise, kGateSigmas) &&
-        accepted;
+    const double expected = x_[kAngularVelocity + i] + x_[kGyroBias + i];
+    accepted = update(rate[i] - expected, H, noise[i], kGateSigmas) && accepted;
   }
   return accepted;
 }

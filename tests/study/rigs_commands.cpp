@@ -1,11 +1,10 @@
-#include <algorithm>
-#include <fstream>
 #include <iostream>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "tests/study/resume.hpp"
 #include "tests/study/study_commands.hpp"
 #ifdef INFUSE_SIMULATOR
 #include "tests/study/rigs/compare_study.hpp"
@@ -30,38 +29,6 @@ struct RigsArguments {
   std::string output = "rigs.csv";
 };
 
-#ifdef INFUSE_SIMULATOR
-/// Rows of all trials go to the file. Seeds that it has are not tried again: a run that was stopped
-/// goes on. Returns all trials of the file; nothing if it cannot be written.
-template <class Trial, class Attempt>
-std::optional<std::vector<Trial>> resume(const RigsArguments& arguments,
-                                         std::vector<Trial> (*read)(std::istream&),
-                                         void (*write_header_of)(std::ostream&),
-                                         void (*write)(std::ostream&, const Trial&),
-                                         const Attempt& attempt) {
-  std::ifstream before(arguments.output);
-  std::vector<Trial> all = read(before);
-  std::ofstream rows(arguments.output, std::ios::app);
-  if (!rows) {
-    std::cerr << "infuse-study: cannot write " << arguments.output << '\n';
-    return std::nullopt;
-  }
-  rows << '\n';  // ends a row whose writing was interrupted
-  write_header_of(rows);
-  for (uint64_t seed = arguments.seed;
-       seed < arguments.seed + static_cast<uint64_t>(arguments.count); ++seed) {
-    if (std::any_of(all.begin(), all.end(), [&](const Trial& t) { return t.seed == seed; }))
-      continue;
-    for (const Trial& trial : attempt(seed)) {
-      write(rows, trial);
-      all.push_back(trial);
-    }
-    rows << std::flush;
-  }
-  return all;
-}
-#endif
-
 /// The summary of all trials goes to standard output.
 int study_rigs([[maybe_unused]] const RigsArguments& arguments) {
 #ifdef INFUSE_SIMULATOR
@@ -69,7 +36,8 @@ int study_rigs([[maybe_unused]] const RigsArguments& arguments) {
                                            ? RigRecordingOptions{.diverse = 40, .neighbours = 40}
                                            : RigRecordingOptions{.diverse = 10, .neighbours = 0};
   const auto all = resume<RigTrial>(
-      arguments, read_rows, write_header, write_row, [&](uint64_t seed) -> std::vector<RigTrial> {
+      arguments.output, arguments.seed, arguments.count, read_rows, write_header, write_row,
+      [&](uint64_t seed) -> std::vector<RigTrial> {
         const auto recording = record_random_rig(seed, recorded);
         if (!recording) {
           std::cerr << "infuse-study: rig " << seed << ": " << recording.error().message() << '\n';
@@ -95,8 +63,8 @@ int study_drives([[maybe_unused]] RigsArguments arguments) {
     arguments.scenes = 8;
   }
   const auto all = resume<DrivesTrial>(
-      arguments, read_drives_rows, write_drives_header, write_drives_row,
-      [&](uint64_t seed) -> std::vector<DrivesTrial> {
+      arguments.output, arguments.seed, arguments.count, read_drives_rows, write_drives_header,
+      write_drives_row, [&](uint64_t seed) -> std::vector<DrivesTrial> {
         auto trial = drive_twice(seed, {.scenes = arguments.scenes, .seconds = arguments.seconds});
         if (!trial) return {};
         return {*std::move(trial)};

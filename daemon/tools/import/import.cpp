@@ -7,6 +7,7 @@
 
 #include "daemon/command_line/arguments.hpp"
 #include "daemon/protocol/json.hpp"
+#include "daemon/tools/import/drive_delay.hpp"
 #include "drivers/import/bag_import.hpp"
 #include "drivers/import/folder_import.hpp"
 #include "drivers/import/ford_import.hpp"
@@ -24,8 +25,9 @@ struct ImportArguments {
 };
 
 int run_kitti(const ImportArguments& arguments) {
-  const auto imported = importers::import_kitti(arguments.source, arguments.drive);
+  auto imported = importers::import_kitti(arguments.source, arguments.drive);
   if (!imported) return print_error("infuse import kitti", imported.error(), kUnreadable);
+  find_inertial_delay(arguments.drive, imported->notes);
   if (arguments.json) {
     Json json = {{"layout", importers::name_of(imported->layout)},
                  {"drive", arguments.drive},
@@ -59,8 +61,9 @@ int run_opencalib(const ImportArguments& arguments) {
 }
 
 int run_folder(const ImportArguments& arguments) {
-  const auto imported = importers::import_folder(arguments.source, arguments.drive);
+  auto imported = importers::import_folder(arguments.source, arguments.drive);
   if (!imported) return print_error("infuse import folder", imported.error(), kUnreadable);
+  find_inertial_delay(arguments.drive, imported->notes);
   if (arguments.json) {
     Json json = {{"drive", arguments.drive},
                  {"packets", imported->packets},
@@ -125,10 +128,11 @@ Json topics_json(const importers::BagImportSummary& imported) {
 }
 
 int run_rosbag(const BagArguments& arguments) {
-  const auto imported = importers::import_bags(
+  auto imported = importers::import_bags(
       {arguments.files.begin(), arguments.files.end()}, arguments.drive,
       {{arguments.topics.begin(), arguments.topics.end()}, arguments.vehicle_frame});
   if (!imported) return print_error("infuse import rosbag", imported.error(), kUnreadable);
+  find_inertial_delay(arguments.drive, imported->notes);
   if (arguments.json) {
     Json json = {{"drive", arguments.drive},   {"packets", imported->packets},
                  {"sweeps", imported->sweeps}, {"images", imported->images},
@@ -210,9 +214,10 @@ void print_channel(const importers::LcmChannel& channel) {
 }
 
 int run_lcm(const LcmArguments& arguments) {
-  const auto imported =
+  auto imported =
       importers::import_lcm({arguments.files.begin(), arguments.files.end()}, arguments.drive);
   if (!imported) return print_error("infuse import lcm", imported.error(), kUnreadable);
+  find_inertial_delay(arguments.drive, imported->notes);
   if (arguments.json) {
     Json json = {{"drive", arguments.drive},
                  {"packets", imported->packets},
@@ -229,8 +234,9 @@ int run_lcm(const LcmArguments& arguments) {
 }
 
 int run_ford(const ImportArguments& arguments) {
-  const auto imported = importers::import_ford(arguments.source, arguments.drive);
+  auto imported = importers::import_ford(arguments.source, arguments.drive);
   if (!imported) return print_error("infuse import ford", imported.error(), kUnreadable);
+  find_inertial_delay(arguments.drive, imported->notes);
   if (arguments.json) {
     Json json = {{"drive", arguments.drive},   {"packets", imported->packets},
                  {"images", imported->images}, {"cameras", imported->cameras},

@@ -134,6 +134,7 @@ log = "can.log"
 dbc = "vehicle.dbc"
 [imu]
 file = "imu.csv"
+delay_ms = 2e-6
 [gnss]
 file = "gnss.csv"
 )");
@@ -186,7 +187,7 @@ file = "gnss.csv"
 TEST_F(WholeDrive, IsReadInStampOrder) {
   EXPECT_THAT(read(),
               ElementsAre("10 lidar 0 port 2368", "20 sweep 2 number 0 of 2",
-                          "30 image 0 000000.png", "40 can (0.000000040) can0 123#00", "45 imu 6",
+                          "30 image 0 000000.png", "40 can (0.000000040) can0 123#00", "43 imu 6",
                           "50 can (0.000000050) can0 124#", "55 gps 1570796",
                           "60 lidar 1 port 2368", "66 image 1 000001.jpg", "70 lidar 1 port 8308",
                           "75 sweep 2 number 2 of 1", "80 stray port 2368", "90 stray port 9999"));

@@ -55,6 +55,7 @@ TEST(DriveToml, ReadsEveryKey) {
   EXPECT_EQ(drive->can->signals[0].unit, "km/h");
   EXPECT_EQ(drive->can->signals[1].signal, "KINEMATICS.YAW_RATE");
   EXPECT_EQ(drive->imu, "imu.csv");
+  EXPECT_EQ(drive->imu_delay, Duration(57'000'000));
   EXPECT_EQ(drive->gnss, "gnss.csv");
   EXPECT_EQ(drive->map, "map.osm");
   EXPECT_EQ(drive->truth_poses, "truth/poses.tum");
@@ -101,6 +102,9 @@ void expect_equal(const DriveDescription& a, const DriveDescription& b) {
     EXPECT_EQ(a.cameras[i].mosaic, b.cameras[i].mosaic);
     EXPECT_EQ(a.cameras[i].grey, b.cameras[i].grey);
   }
+  EXPECT_EQ(a.imu, b.imu);
+  EXPECT_EQ(a.imu_delay, b.imu_delay);
+  EXPECT_EQ(a.imu_delay_sigma, b.imu_delay_sigma);
   ASSERT_EQ(a.can.has_value(), b.can.has_value());
   if (a.can) {
     ASSERT_EQ(a.can->signals.size(), b.can->signals.size());
@@ -128,6 +132,8 @@ TEST(DriveToml, FormatAndParseRoundTripExactly) {
   drive->times_trusted = false;
   drive->rig.cameras[0].intrinsics.fx = 1.0 / 3;
   drive->rig.cameras[0].stamp_delay = Duration(-1'234'567);
+  drive->imu_delay = Duration(57'123'456);
+  drive->imu_delay_sigma = Duration(3'000'000);
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
   for (int round = 0; round < 100; ++round) {

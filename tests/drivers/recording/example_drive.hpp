@@ -58,6 +58,7 @@ wheel_speed_front_left = { signal = "WHEELS.FL", scale = -1, unit = "km/h" }
 
 [imu]
 file = "imu.csv"
+delay_ms = 57
 
 [gnss]
 file = "gnss.csv"

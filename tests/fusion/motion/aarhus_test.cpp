@@ -176,7 +176,8 @@ TEST(Odometry, RealAarhusByTheSpeedOfTheBus) {
             << " s, of the gyro " << report.imu_delay.value << " ± " << report.imu_delay.sigma
             << " s\n";
   EXPECT_NEAR(report.wheel_scale.value, 0.992, 0.002);
-  EXPECT_NEAR(report.gnss_delay.value, 0.4, 0.1);
+  EXPECT_NEAR(report.gnss_delay.value, 0.4, 3 * report.gnss_delay.sigma);
+  EXPECT_LT(report.gnss_delay.sigma, 0.05);
 }
 
 }  // namespace
