@@ -2,6 +2,7 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
+#include <deque>
 #include <functional>
 #include <string>
 
@@ -9,6 +10,7 @@
 #include "daemon/history/run_tracker.hpp"
 #include "daemon/pipeline/publisher.hpp"
 #include "daemon/sensors/recording_controller.hpp"
+#include "daemon/service/map_watch.hpp"
 
 namespace infuse::daemon {
 
@@ -20,6 +22,7 @@ struct ServiceParts {
   Server& server;
   std::function<void()> stop;  ///< requests the end of the pipeline
   std::function<Stamp()> now;  ///< the present
+  std::deque<MapWatch>& maps;  ///< in use
 };
 
 /// The live daemon as a service: notifies the service manager, tracks runs, publishes the state of
