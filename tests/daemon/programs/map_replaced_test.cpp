@@ -32,51 +32,50 @@ void overwrite(const ScratchFolder& folder, const char* from, const char* to) {
   fs::copy_file(folder / from, folder / to, fs::copy_options::overwrite_existing);
 }
 
-TEST(MapReplaced, AStreetMapThatIsOverwrittenOrCutDoesNotEndTheDaemon) {
-  const ScratchFolder folder;
-  make_street_map(folder, "first.map", "0.5");
-  make_street_map(folder, "second.map", "0.8");
-  overwrite(folder, "first.map", "in_use.map");
-  LiveDaemon daemon(folder, "[streetmap]\nmap = \"in_use.map\"\n");
-  const std::string first = digest_in(daemon.wait_for("streetmap "), "streetmap");
-  ASSERT_EQ(first.size(), 16U);
-  overwrite(folder, "second.map", "in_use.map");  // its bytes, in place
-  std::string second, status;
-  for (int k = 0; k < 150 && (second.empty() || second == first); ++k) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-    status = daemon.status();
-    second = digest_in(status, "streetmap");
-  }
-  EXPECT_NE(second, first);
-  EXPECT_THAT(status, HasSubstr("OK    streetmap " + second));
-  fs::resize_file(folder / "in_use.map", fs::file_size(folder / "in_use.map") / 2);
-  EXPECT_THAT(daemon.wait_for("WARN  streetmap"),
-              AllOf(HasSubstr("WARN  streetmap " + second), HasSubstr("is truncated")));
-  EXPECT_EQ(daemon.stop(), 0);
-}
+// Two daemons at a time: each change is seen within some seconds.
+TEST(MapReplaced, WhatIsWholeIsUsedAndWhatIsDamagedIsNot) {
+  const ScratchFolder streets, keyframes;
+  make_street_map(streets, "first.map", "0.5");
+  make_street_map(streets, "second.map", "0.8");
+  overwrite(streets, "first.map", "in_use.map");
+  write_small_map(keyframes / "map", 3, 2);
+  LiveDaemon on_streets(streets, "[streetmap]\nmap = \"in_use.map\"\n");
+  LiveDaemon on_keyframes(keyframes, "[map]\ndirectory = \"map\"\n");
+  const std::string street = digest_in(on_streets.wait_for("streetmap "), "streetmap");
+  const std::string map = digest_in(on_keyframes.wait_for(" map "), "map");
+  ASSERT_EQ(street.size(), 16U);
+  ASSERT_EQ(map.size(), 16U);
 
-TEST(MapReplaced, AMapOfKeyframesIsTakenOverWhole) {
-  const ScratchFolder folder;
-  write_small_map(folder / "map", 3, 2);
-  LiveDaemon daemon(folder, "[map]\ndirectory = \"map\"\n");
-  const std::string first = digest_in(daemon.wait_for(" map "), "map");
-  ASSERT_EQ(first.size(), 16U);
-  // One with a damaged cloud, then a whole one, each put in place by renaming.
-  write_small_map(folder / "damaged", 4, 3);
-  fs::resize_file(folder / "damaged/clouds/000002.pcd", 30);
-  fs::rename(folder / "map", folder / "before");
-  fs::rename(folder / "damaged", folder / "map");
-  EXPECT_THAT(daemon.wait_for("WARN  map "),
-              AllOf(HasSubstr("WARN  map " + first), HasSubstr("clouds/000002.pcd")));
-  write_small_map(folder / "whole", 4, 3);
-  fs::remove_all(folder / "map");
-  fs::rename(folder / "whole", folder / "map");
-  const std::string status = daemon.wait_for("OK    map ");
+  // Another street map, byte by byte; a map with a damaged cloud, by renaming.
+  overwrite(streets, "second.map", "in_use.map");
+  write_small_map(keyframes / "damaged", 4, 3);
+  fs::resize_file(keyframes / "damaged/clouds/000002.pcd", 30);
+  fs::rename(keyframes / "map", keyframes / "before");
+  fs::rename(keyframes / "damaged", keyframes / "map");
+  EXPECT_THAT(on_keyframes.wait_for("WARN  map "),
+              AllOf(HasSubstr("WARN  map " + map), HasSubstr("clouds/000002.pcd")));
+  std::string next_street = street;
+  for (int k = 0; k < 150 && next_street == street; ++k) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    next_street = digest_in(on_streets.status(), "streetmap");
+  }
+  ASSERT_EQ(next_street.size(), 16U);
+  EXPECT_NE(next_street, street);
+
+  // Half of a street map; a whole map.
+  fs::resize_file(streets / "in_use.map", fs::file_size(streets / "in_use.map") / 2);
+  write_small_map(keyframes / "whole", 4, 3);
+  fs::remove_all(keyframes / "map");
+  fs::rename(keyframes / "whole", keyframes / "map");
+  EXPECT_THAT(on_streets.wait_for("WARN  streetmap"),
+              AllOf(HasSubstr("WARN  streetmap " + next_street), HasSubstr("is truncated")));
+  const std::string status = on_keyframes.wait_for("OK    map ");
   EXPECT_THAT(status, HasSubstr("OK    map "));
-  EXPECT_NE(digest_in(status, "map"), first);
-  EXPECT_EQ(daemon.stop(), 0);
-  EXPECT_THAT(folder.read("log"),
-              AllOf(HasSubstr("map " + first + " stays in use"), HasSubstr("takes the place of")));
+  EXPECT_NE(digest_in(status, "map"), map);
+  EXPECT_EQ(on_streets.stop(), 0);
+  EXPECT_EQ(on_keyframes.stop(), 0);
+  EXPECT_THAT(keyframes.read("log"),
+              AllOf(HasSubstr("map " + map + " stays in use"), HasSubstr("takes the place of")));
 }
 
 }  // namespace
