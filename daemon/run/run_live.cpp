@@ -3,8 +3,9 @@
 #include <spdlog/spdlog.h>
 
 #include <cstdlib>
-#include <deque>
+#include <memory>
 #include <utility>
+#include <vector>
 
 #include "daemon/command_line/version.hpp"
 #include "daemon/history/history_writer.hpp"
@@ -48,8 +49,9 @@ void log_sensors(const SensorSetup& setup, const std::string& config_file) {
 
 /// Watches the maps that are in use; what they are replaced by goes to the pipeline, and to who
 /// draws it (null: nobody).
-void watch_maps(const Config& config, const DaemonHost& host, Pipeline& pipeline, ViewServer* view,
-                std::deque<MapWatch>& watches) {
+std::vector<std::unique_ptr<MapWatch>> watch_maps(const Config& config, const DaemonHost& host,
+                                                  Pipeline& pipeline, ViewServer* view) {
+  std::vector<std::unique_ptr<MapWatch>> watches;
   if (!config.streetmap.map.empty()) {
     const auto replace = [&config, &pipeline, view](const std::stop_token&) {
       return open_street_map(config).map([&](const StreetMapFile& map) {
@@ -58,10 +60,10 @@ void watch_maps(const Config& config, const DaemonHost& host, Pipeline& pipeline
         return map.digest;
       });
     };
-    watches.emplace_back("streetmap", config.resolve(config.streetmap.map),
-                         host.street_map_digest(), replace);
+    watches.push_back(std::make_unique<MapWatch>("streetmap", config.resolve(config.streetmap.map),
+                                                 host.street_map_digest(), replace));
   }
-  if (config.map.directory.empty()) return;
+  if (config.map.directory.empty()) return watches;
   const auto replace = [&config, &pipeline](const std::stop_token& stop) -> Result<std::string> {
     auto opened = open_place_map(config);
     if (!opened) return tl::unexpected(opened.error());
@@ -72,8 +74,9 @@ void watch_maps(const Config& config, const DaemonHost& host, Pipeline& pipeline
     pipeline.replace({.places = std::move(places.map)});
     return places.digest;
   };
-  watches.emplace_back("map", config.resolve(config.map.directory) / map_file::kMap,
-                       host.places_digest(), replace);
+  watches.push_back(std::make_unique<MapWatch>(
+      "map", config.resolve(config.map.directory) / map_file::kMap, host.places_digest(), replace));
+  return watches;
 }
 
 }  // namespace
@@ -159,16 +162,15 @@ int run_live(const RunOptions& options, const Config& config) {
   }
   host.connect(live.pipeline(),
                [&](const Request& request) { return recordings.handle_request(request); });
-  std::deque<MapWatch> maps;
-  watch_maps(config, host, live.pipeline(), view->server.get(), maps);
-  ServiceLifecycle lifecycle({.io = host.io(),
-                              .publisher = publisher,
-                              .recordings = recordings,
-                              .server = host.server(),
-                              .stop = [&] { live.stop(); },
-                              .now = now,
-                              .maps = maps},
-                             options.config, config, host.calibration_damage());
+  ServiceLifecycle lifecycle(
+      {.io = host.io(),
+       .publisher = publisher,
+       .recordings = recordings,
+       .server = host.server(),
+       .stop = [&] { live.stop(); },
+       .now = now,
+       .maps = watch_maps(config, host, live.pipeline(), view->server.get())},
+      options.config, config, host.calibration_damage());
 
   // The end, when the pipeline has ended.
   on_end = [&] {

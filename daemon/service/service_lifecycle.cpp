@@ -43,8 +43,8 @@ ServiceLifecycle::ServiceLifecycle(ServiceParts parts, const std::string& config
       return StoreStatus{"state", free_space(folder), run_tracker_.problem()};
     });
   }
-  for (const MapWatch& map : parts_.maps) {
-    parts_.publisher.add_map([&map] { return map.in_use(); });
+  for (const auto& map : parts_.maps) {
+    parts_.publisher.add_map([watch = map.get()] { return watch->in_use(); });
   }
   wait_for_reload();
 }
@@ -62,7 +62,7 @@ void ServiceLifecycle::finish() {
 // A tick has passed through every thread; this feeds the watchdog.
 void ServiceLifecycle::on_progress() {
   parts_.recordings.publish_updates();
-  for (MapWatch& map : parts_.maps) map.poll(MapWatch::Clock::now());
+  for (const auto& map : parts_.maps) map->poll(MapWatch::Clock::now());
   const std::string status = status_text(parts_.publisher);
   remember_report(status + recent_alerts_);
   if (!std::exchange(ready_, true)) {
@@ -100,7 +100,7 @@ void ServiceLifecycle::wait_for_reload() {
 // The pipeline continues; tracks and calibrations are kept.
 void ServiceLifecycle::reload_config() {
   service_manager::notify_reloading();
-  for (MapWatch& map : parts_.maps) map.try_again();
+  for (const auto& map : parts_.maps) map->try_again();
   const auto loaded = load_config(config_file_);
   if (!loaded) {
     spdlog::error("reload failed, the running configuration is kept: {}", loaded.error().message());
