@@ -1,6 +1,10 @@
 #include "daemon/health/host_alerts.hpp"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
+#include <cmath>
+#include <functional>
 
 namespace infuse::daemon {
 namespace {
@@ -17,6 +21,16 @@ constexpr Alert<HostStatus> kHostAlerts[] = {
        return Problem{failing->name + ": " + failing->problem,
                       "free space on its disk, or make it writable"};
      }},
+    {{"new_map", Level::kWarn, Delays::kNone,
+      "What lies in the place of a map in use is not used: it is damaged, incomplete or of another "
+      "place. The map in use stays. Put a whole map there; the daemon takes it over by itself."},
+     [](const HostStatus& host) -> std::optional<Problem> {
+       const auto refused = std::find_if(host.maps.begin(), host.maps.end(),
+                                         [](const MapInUse& m) { return !m.problem.empty(); });
+       if (refused == host.maps.end()) return {};
+       return Problem{"the new " + refused->name + " is not used: " + refused->problem,
+                      "put a whole map there; the one in use stays until then"};
+     }},
     {{"system_clock", Level::kWarn, Delays::kBoth,
       "The host's clock is not synchronised: stamps of this vehicle do not agree with those of "
       "others. "
@@ -25,6 +39,26 @@ constexpr Alert<HostStatus> kHostAlerts[] = {
        if (!host.clock || host.clock->synchronised) return {};
        return Problem{"the host's clock is not synchronised by NTP or PTP",
                       "install chrony, or phc2sys with a PTP clock; chronyc tracking says more"};
+     }},
+    {{"ptp_clock", Level::kWarn, Delays::kBoth,
+      "A sensor's clock follows PTP, and no PTP clock of this host agrees with the host's clock "
+      "within 1 ms: PTP does not bring the sensor's stamps into the host's time. Run ptp4l and "
+      "phc2sys on the sensor's interface."},
+     [](const HostStatus& host) -> std::optional<Problem> {
+       const auto& clocks = host.ptp_clocks;
+       if (!host.ptp_sensors || clocks.empty() ||
+           std::any_of(clocks.begin(), clocks.end(), std::mem_fn(&PtpClock::agrees))) {
+         return {};
+       }
+       const auto nearest =
+           std::min_element(clocks.begin(), clocks.end(), [](const auto& a, const auto& b) {
+             return std::abs(a.offset_s) < std::abs(b.offset_s);
+           });
+       return Problem{
+           fmt::format("a sensor's clock follows PTP, and the host's clock is {:.3g} s off "
+                       "the PTP clock {}",
+                       std::abs(nearest->offset_s), nearest->device),
+           "run ptp4l and phc2sys on the sensor's interface"};
      }},
 };
 

@@ -23,8 +23,8 @@ inline constexpr AlertDescription kSavedCalibrationsAlert{
 
 inline constexpr AlertDescription kRecordAlert{
     "record", Level::kWarn, Delays::kNone,
-    "A recording ended prematurely, or an alert is not recorded; cleared when a recording begins. "
-    "Free space on the disk.",
+    "A recording ended prematurely, an alert is not recorded, or a recording is not in the spool; "
+    "cleared when a recording begins. Free space on the disk.",
     false};
 
 /// All of them.

@@ -1,9 +1,14 @@
 #include "daemon/mapping/map_folder.hpp"
 
+#include <fcntl.h>
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstring>
+#include <memory>
+#include <utility>
 
 #include "daemon/mapping/cloud_file.hpp"
 #include "daemon/mapping/g2o_file.hpp"
@@ -96,9 +101,20 @@ Result<std::vector<size_t>> read_first_keyframes(const MapJson& manifest,
 
 }  // namespace
 
+Result<MapFolder> MapFolder::hold() const {
+  receive::FileDescriptor folder(::open(path_.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
+  if (!folder) {
+    return fail(std::string("cannot be opened: ") + std::strerror(errno), path_.string());
+  }
+  MapFolder held(path_);
+  held.opened_ = "/proc/self/fd/" + std::to_string(folder.get());
+  held.held_ = std::make_shared<const receive::FileDescriptor>(std::move(folder));
+  return held;
+}
+
 bool MapFolder::has(const std::string& name) const {
   std::error_code ignored;
-  return std::filesystem::exists(path_ / name, ignored);
+  return std::filesystem::exists(opened_ / name, ignored);
 }
 
 Result<void> MapFolder::create() const {
@@ -127,8 +143,9 @@ Result<void> MapFolder::write(const std::string& name, std::string_view bytes) c
 }
 
 Result<std::string> MapFolder::read(const std::string& name, const std::string& sum) const {
-  auto bytes = text::read_text(path_ / name, kMaxMapFileBytes);
-  if (bytes && !sum.empty() && text::checksum(*bytes) != sum) {
+  auto bytes = text::read_text(opened_ / name, kMaxMapFileBytes);
+  if (!bytes) return fail(bytes.error().what, path_of(name), bytes.error().hint);
+  if (!sum.empty() && text::checksum(*bytes) != sum) {
     return fail("the file is damaged: its checksum is not the stated one", path_of(name),
                 "make the map anew");
   }

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "daemon/mapping/map_tables.hpp"
+#include "drivers/host/file_descriptor.hpp"
 #include "fusion/mapping/pose_graph.hpp"
 #include "fusion/mapping/submap.hpp"
 
@@ -33,7 +35,11 @@ inline constexpr const char* kFirstKeyframes = "first_keyframes";
 /// A map folder on disk. Every file is written atomically.
 class MapFolder {
  public:
-  explicit MapFolder(std::filesystem::path path) : path_(std::move(path)) {}
+  explicit MapFolder(std::filesystem::path path) : path_(std::move(path)), opened_(path_) {}
+
+  /// The folder that has the path at present: its files are read even where another folder takes
+  /// the path later. Fails if it cannot be opened.
+  Result<MapFolder> hold() const;
 
   const std::filesystem::path& path() const { return path_; }
   std::string path_of(const std::string& name) const { return (path_ / name).string(); }
@@ -65,7 +71,9 @@ class MapFolder {
   Result<mapping::Submap> read_cloud(const std::vector<MapKeyframe>& keyframes, size_t k) const;
 
  private:
-  std::filesystem::path path_;
+  std::filesystem::path path_;    // as it is named
+  std::filesystem::path opened_;  // where it is read
+  std::shared_ptr<const receive::FileDescriptor> held_;
 };
 
 /// A manifest with format and version.

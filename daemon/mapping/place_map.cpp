@@ -79,8 +79,13 @@ Result<places::PlaceMap> open_place_map(const MapFolder& folder) {
   return map;
 }
 
-Result<void> check_clouds(const places::PlaceMap& map) {
+Result<std::string> map_digest(const MapFolder& folder) {
+  return folder.read(map_file::kMap).map([](const auto& bytes) { return text::checksum(bytes); });
+}
+
+Result<void> check_clouds(const places::PlaceMap& map, const std::stop_token& stop) {
   for (size_t k = 0; k < map.descriptors.size(); ++k) {
+    if (stop.stop_requested()) return fail("was not read to its end");
     if (auto cloud = map.read_cloud(k); !cloud) return tl::unexpected(cloud.error());
   }
   return {};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,7 +31,12 @@ Result<void> write_drive(const MapFolder& folder, MapJson manifest,
 /// be there, when they are needed.
 Result<places::PlaceMap> open_place_map(const MapFolder& folder);
 
-/// Reads every cloud. Fails at the first whose checksum is not that of the map.
-Result<void> check_clouds(const places::PlaceMap& map);
+/// Digest of a complete map: `text::checksum` of map.json, which states the checksums of the other
+/// files, by those of which every file is known.
+Result<std::string> map_digest(const MapFolder& folder);
+
+/// Reads every cloud. Fails at the first whose checksum is not that of the map, and where a stop is
+/// requested.
+Result<void> check_clouds(const places::PlaceMap& map, const std::stop_token& stop = {});
 
 }  // namespace infuse::daemon

@@ -152,6 +152,12 @@ void add_host(const HostStats& host, Families& families) {
     add_metrics(queue, label("queue", queue.name), families);
   }
   if (host.clock) add_metrics(*host.clock, "", families);
+  for (const PtpClock& clock : host.ptp_clocks) {
+    add_metrics(clock, label("clock", clock.device), families);
+  }
+  for (const MapInUse& map : host.maps) {
+    add_metrics(map, label("map", map.name) + "," + label("digest", map.digest), families);
+  }
   for (const StoreStatus& store : host.stores) {
     add_metrics(store, label("store", store.name), families);
   }

@@ -46,17 +46,17 @@ Result<StreetMapFile> open_configured_map(const Config& config) {
 
 /// Replays the drive as infused --replay does, without clients, and writes its reports to `file`.
 Result<void> replay_to(const std::string& file, const std::string& drive, const Config& config,
-                       const streetmap::SegmentMap& map) {
+                       const StreetMapFile& map) {
   auto setup = open_drive(drive, config.lidars, {});
   if (!setup) return tl::unexpected(setup.error());
   auto reports = ReportsFile::create(file);
   if (!reports) return tl::unexpected(reports.error());
   boost::asio::io_context io(1);
   Server server(io, config.socket, "", "");
-  Replay replay(
-      io, *std::move(setup),
-      {std::nullopt, {config.health, config.odometry, config.streetmap, &map, config.calibration}},
-      server, &*reports, [&] { server.finish(std::chrono::milliseconds(0)); });
+  Replay replay(io, *std::move(setup),
+                {std::nullopt,
+                 {config.health, config.odometry, config.streetmap, {map, {}}, config.calibration}},
+                server, &*reports, [&] { server.finish(std::chrono::milliseconds(0)); });
   replay.start();
   io.run();
   return reports->close();
@@ -105,7 +105,7 @@ Result<Json> collect(const ReportArguments& arguments) {
   if (file.empty()) {
     file = arguments.output + ".reports.jsonl";
     made.emplace(file);
-    const auto replayed = replay_to(file, arguments.path, config, map->map);
+    const auto replayed = replay_to(file, arguments.path, config, *map);
     if (!replayed) return tl::unexpected(replayed.error());
   }
   const auto reports = read_reports(file);

@@ -38,9 +38,15 @@ std::string findings_text(const Json& sensor) {
   return lines;
 }
 
-/// What is kept on disks; and what waits for the broker.
+/// The maps in use; what is kept on disks; and what waits for the broker.
 std::string stores_text(const Json& host) {
   std::string lines;
+  for (const Json& map : host.value("maps", Json::array())) {
+    const bool current = map.value("current", true);
+    lines += fmt::format("  {:<5} {} {} in use{}\n", current ? "OK" : "WARN", text_of(map, "map"),
+                         text_of(map, "digest"),
+                         current ? "" : "; the new one is not: " + text_of(map, "problem"));
+  }
   for (const Json& store : host.value("stores", Json::array())) {
     const bool writable = store.value("writable", true);
     lines += fmt::format("  {:<5} {} on disk: {}", writable ? "OK" : "WARN",

@@ -62,19 +62,13 @@ FusionThread::FusionThread(const FusionSetup& setup, SlotRing<StreamItem>& in,
       previous_sweeps_(setup.rig.lidars.size()),
       images_(images, images.capacity(),
               setup.delivery == Delivery::kWait ? EventCount::kNoTimeout : kImageTimeout),
+      places_lidar_(setup.places_lidar.empty() ? LidarIndex(0)
+                                               : index_of_lidar(setup.rig, setup.places_lidar)),
       assignment_(placed_cameras(setup.rig), setup.calibration.monitor.detector,
                   setup.calibration.monitor.weights, setup.calibration.monitor.max_points),
       dropped_sweeps_(setup.rig.lidars.size()),
       image_counters_(setup.rig.cameras.size()) {
-  if (setup.street_map != nullptr && !setup.street_map->empty() && setup.has_odometry) {
-    street_map_tracker_.emplace(setup.streetmap, *setup.street_map, setup.rig);
-  }
-  if (setup_.places && setup.has_odometry && !setup.rig.lidars.empty()) {
-    if (!setup.places_lidar.empty()) places_lidar_ = index_of_lidar(setup.rig, setup.places_lidar);
-    map_localiser_.emplace(*std::move(setup_.places),
-                           setup.rig.lidars[places_lidar_].T_vehicle_lidar,
-                           setup.delivery == Delivery::kWait);
-  }
+  maps_ = std::move(*make_map_tasks(std::move(setup_.maps)));
   if (odometry_.uses_lidar()) lidar_motion_.emplace(setup.rig.lidars[0].T_vehicle_lidar);
   for (const LidarMount& lidar : setup.rig.lidars) {
     deskewers_.emplace_back(lidar.T_vehicle_lidar);
@@ -87,6 +81,28 @@ FusionThread::FusionThread(const FusionSetup& setup, SlotRing<StreamItem>& in,
   for (size_t k = 0; k < cameras_.size(); ++k) {
     if (CalibrationGuard* guard = cameras_[k].guard()) guard->set_assignment(assignment_, k);
   }
+}
+
+std::shared_ptr<MapTasks> FusionThread::make_map_tasks(Maps maps) const {
+  auto tasks = std::make_shared<MapTasks>();
+  if (!setup_.has_odometry) return tasks;
+  if (!maps.street_map.map.empty()) {
+    tasks->street_map = std::make_unique<StreetMapTracker>(setup_.streetmap,
+                                                           std::move(maps.street_map), setup_.rig);
+  }
+  if (maps.places && !setup_.rig.lidars.empty()) {
+    tasks->places = std::make_unique<MapLocaliser>(*std::move(maps.places),
+                                                   setup_.rig.lidars[places_lidar_].T_vehicle_lidar,
+                                                   setup_.delivery == Delivery::kWait);
+  }
+  return tasks;
+}
+
+void FusionThread::shut_down() {
+  for (CameraChannel& camera : cameras_) camera.shut_down();
+  const std::lock_guard lock(maps_mutex_);
+  shut_down_ = true;
+  if (maps_.places) maps_.places->shut_down();
 }
 
 void FusionThread::run() {
@@ -104,7 +120,8 @@ void FusionThread::process(Pin<StreamItem> item) {
   if (item->stamp > now_ || item->stamp + kMaxClockStepBack < now_) now_ = item->stamp;
   read_at_ = item->read_at;
   behind_ = HostClock::now() - read_at_;
-  commands_.drain([&](const CalibrationCommand& command) { handle(command); });
+  commands_.drain(
+      [&](const auto& command) { std::visit([&](const auto& what) { handle(what); }, command); });
   switch (item->kind) {
     case StreamItem::Kind::kStart:
       begin_report(ReportItem::Kind::kStart, item->stamp);
@@ -151,7 +168,7 @@ void FusionThread::process_samples(const StreamItem& item) {
   for (const VehicleSample& sample : item.samples) {
     odometry_.add(sample);
     const auto* fix = std::get_if<GnssFix>(&sample);
-    if (street_map_tracker_ && fix != nullptr) street_map_tracker_->add_gnss(*fix);
+    if (maps_.street_map && fix != nullptr) maps_.street_map->add_gnss(*fix);
   }
   if (setup_.rig.lidars.empty()) report_latest_pose();
 }
@@ -248,13 +265,13 @@ void FusionThread::localise(const SweepSnapshot& snapshot) {
   PoseReport published = odometry;
   odometry_.bound(published);
   report(published);
-  if (map_localiser_ && snapshot.lidar == places_lidar_) {
-    report(map_localiser_->process(snapshot, odometry_.trajectory(), odometry));
+  if (maps_.places && snapshot.lidar == places_lidar_) {
+    report(maps_.places->process(snapshot, odometry_.trajectory(), odometry));
   }
-  if (!street_map_tracker_) return;
+  if (!maps_.street_map) return;
   const auto track = [&] {
     const ScopedLatency timer(latency(Stage::kTrack));
-    return street_map_tracker_->process(snapshot, odometry_.trajectory(), odometry);
+    return maps_.street_map->process(snapshot, odometry_.trajectory(), odometry);
   };
   report(track());
 }
@@ -265,8 +282,8 @@ void FusionThread::show(const SweepSnapshot& snapshot) {
   if (setup_.view == nullptr || !setup_.view->wanted()) return;
   const PoseReport pose = odometry_.pose_at(snapshot.deskewed.reference);
   const bool located = setup_.has_odometry && pose.usable();
-  const bool on_map = street_map_tracker_ && street_map_tracker_->started();
-  if (on_map) street_map_tracker_->write(view_pose_);
+  const bool on_map = maps_.street_map && maps_.street_map->started();
+  if (on_map) maps_.street_map->write(view_pose_);
   setup_.view->add_sweep(snapshot, located ? &pose.T_frame_vehicle : nullptr,
                          on_map ? &view_pose_ : nullptr);
 }
@@ -288,9 +305,9 @@ void FusionThread::process_image(const CameraImage& image, const Sweep& sweep) {
   if (setup_.view != nullptr) {
     setup_.view->add_image(match, cameras_[image.camera].estimate());
   }
-  if (street_map_tracker_) {
+  if (maps_.street_map) {
     const ScopedLatency timer(latency(Stage::kTrack));
-    street_map_tracker_->add_image(match, odometry_.trajectory());
+    maps_.street_map->add_image(match, odometry_.trajectory());
   }
   monitor_calibration(match);
 }
@@ -337,8 +354,8 @@ void FusionThread::report_tick(const StreamItem& item) {
   }
   report.odometry = setup_.has_odometry ? odometry_.status(item.stamp) : OdometryStatus{};
   report.odometry.not_deskewed = not_deskewed_;
-  if (street_map_tracker_) report.streetmap = street_map_tracker_->status();
-  if (map_localiser_) report.map = map_localiser_->status();
+  if (maps_.street_map) report.streetmap = maps_.street_map->status();
+  if (maps_.places) report.map = maps_.places->status();
   for (size_t i = 0; i < latencies_.size(); ++i) report.stages[i] = latencies_[i].stats();
   report.stages[static_cast<size_t>(Stage::kIntake)] = item.intake;
   report.deadline_misses = deadline_misses_;
@@ -353,6 +370,17 @@ void FusionThread::handle(const CalibrationCommand& command) {
     if (command.camera != camera.name() || camera.guard() == nullptr) continue;
     report(camera.guard()->handle(command, now_));
   }
+}
+
+void FusionThread::handle(const std::shared_ptr<MapTasks>& next) {
+  const std::lock_guard lock(maps_mutex_);
+  if (next->street_map) {
+    if (maps_.street_map) next->street_map->go_on_from(*maps_.street_map);
+    std::swap(maps_.street_map, next->street_map);
+  }
+  if (!next->places) return;
+  if (shut_down_) next->places->shut_down();
+  std::swap(maps_.places, next->places);
 }
 
 void FusionThread::report(const PoseReport& pose) {

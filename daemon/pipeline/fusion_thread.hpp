@@ -3,7 +3,10 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <memory>
+#include <mutex>
 #include <optional>
+#include <variant>
 
 #include "daemon/health/latency_histogram.hpp"
 #include "daemon/pipeline/camera_channel.hpp"
@@ -11,13 +14,12 @@
 #include "daemon/pipeline/delivery.hpp"
 #include "daemon/pipeline/image_queue.hpp"
 #include "daemon/pipeline/lidar_motion.hpp"
-#include "daemon/pipeline/map_localiser.hpp"
+#include "daemon/pipeline/map_tasks.hpp"
 #include "daemon/pipeline/notifier.hpp"
 #include "daemon/pipeline/odometry_tracker.hpp"
 #include "daemon/pipeline/pipeline_tap.hpp"
 #include "daemon/pipeline/report_item.hpp"
 #include "daemon/pipeline/stream_item.hpp"
-#include "daemon/pipeline/street_map_tracker.hpp"
 #include "daemon/pipeline/sweep_queue.hpp"
 #include "daemon/pipeline/view_tap.hpp"
 #include "drivers/measurement/rig.hpp"
@@ -36,8 +38,7 @@ struct FusionSetup {
   CalibrationSettings calibration;
   Delivery delivery = Delivery::kWait;
   StreetMapSettings streetmap;
-  const streetmap::SegmentMap* street_map = nullptr;  ///< null or empty: no tracking on it
-  std::optional<places::PlaceMap> places;             ///< nothing: no map of keyframes
+  Maps maps;
   std::string places_lidar;    ///< whose sweeps are compared with it; empty: the first
   ViewTap* view = nullptr;     ///< null: nobody can look
   PipelineTap* tap = nullptr;  ///< null: nobody wants copies
@@ -74,11 +75,15 @@ class FusionThread {
   /// Queues a command of the owner; from any thread.
   void post(const CalibrationCommand& command) { commands_.push(command); }
 
+  /// Makes what finds the vehicle on these maps, for `post`; from any thread.
+  std::shared_ptr<MapTasks> make_map_tasks(Maps maps) const;
+
+  /// Queues tasks that take the place of those that run, which are in `tasks` afterwards: this
+  /// thread does not destroy them. One that is null leaves the one that runs. From any thread.
+  void post(std::shared_ptr<MapTasks> tasks) { commands_.push(std::move(tasks)); }
+
   /// Stops waiting for background work; from any thread.
-  void shut_down() {
-    for (CameraChannel& camera : cameras_) camera.shut_down();
-    if (map_localiser_) map_localiser_->shut_down();
-  }
+  void shut_down();
 
  private:
   void process(Pin<StreamItem> item);
@@ -99,6 +104,7 @@ class FusionThread {
   void report_latest_pose();
   void report_tick(const StreamItem& item);
   void handle(const CalibrationCommand& command);
+  void handle(const std::shared_ptr<MapTasks>& next);
   void report(const CalibrationReport* calibration);
 
   ReportItem& begin_report(ReportItem::Kind kind, Stamp stamp);
@@ -124,13 +130,14 @@ class FusionThread {
   std::vector<Pin<StreamItem>> previous_sweeps_;  // processed last, by LidarIndex
   ImageQueue images_;
   std::optional<LidarMotion> lidar_motion_;
-  std::optional<StreetMapTracker> street_map_tracker_;
-  std::optional<MapLocaliser> map_localiser_;
-  LidarIndex places_lidar_{0};              // whose sweeps are compared with the map of keyframes
+  LidarIndex places_lidar_;                 // whose sweeps are compared with the map of keyframes
+  std::mutex maps_mutex_;                   // of the pointers, to replace them and to shut down
+  bool shut_down_ = false;                  // likewise
+  MapTasks maps_;                           // what they point to is used by this thread alone
   std::deque<motion::Deskewer> deskewers_;  // by LidarIndex
   monitoring::CameraAssignment assignment_;
   std::deque<CameraChannel> cameras_;  // by CameraIndex
-  ControlQueue commands_;
+  ControlQueue<std::variant<CalibrationCommand, std::shared_ptr<MapTasks>>> commands_;
   motion::DeskewedSweep deskewed_;  // memory that is used again, as the next
   ViewMapPose view_pose_;
 

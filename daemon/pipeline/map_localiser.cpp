@@ -72,6 +72,7 @@ void MapLocaliser::start_work(Stamp now) {
   waiting_.size = 0;
   const bool lost = pose_.state == places::LocaliserState::kLost;
   worker_.start(now, lost ? kSearchBudget : kTrackingBudget, [this](const std::stop_token& stop) {
+    failure_ = "";
     for (size_t i = 0; i < working_.size && !stop.stop_requested(); ++i) {
       const WaitingSweep& sweep = working_.sweeps[i];
       const auto pose =

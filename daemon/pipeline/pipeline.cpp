@@ -36,8 +36,7 @@ FusionSetup fusion_setup(const SensorSetup& setup, const PipelineOptions& option
           .calibration = options.calibration,
           .delivery = delivery_of(setup.live),
           .streetmap = options.streetmap,
-          .street_map = options.street_map,
-          .places = options.places,
+          .maps = options.maps,
           .places_lidar = options.places_lidar,
           .view = options.view,
           .tap = options.tap};
@@ -83,7 +82,20 @@ void Pipeline::start(std::function<void(std::stop_token)> read) {
   });
 }
 
+void Pipeline::replace(Maps maps) {
+  auto tasks = fusion_.make_map_tasks(std::move(maps));
+  {
+    const std::lock_guard lock(replaced_mutex_);
+    replaced_.push_back(tasks);
+  }
+  fusion_.post(std::move(tasks));
+}
+
 void Pipeline::drain() {
+  {
+    const std::lock_guard lock(replaced_mutex_);
+    std::erase_if(replaced_, [](const auto& tasks) { return tasks.use_count() == 1; });
+  }
   if (publisher_.drain()) notifier_.notify();
   if (!publisher_.totals().ended || !fusion_thread_.joinable()) return;
   io_thread_.join();

@@ -2,8 +2,12 @@
 
 #include <boost/asio/io_context.hpp>
 #include <functional>
+#include <memory>
+#include <mutex>
 #include <stop_token>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "daemon/pipeline/fusion_thread.hpp"
 #include "daemon/pipeline/image_thread.hpp"
@@ -18,13 +22,11 @@ struct PipelineOptions {
   HealthOptions health;
   OdometrySettings odometry;
   StreetMapSettings streetmap;
-  const streetmap::SegmentMap* street_map =
-      nullptr;  ///< outlives the pipeline; null or empty: no tracking
+  Maps maps;
   CalibrationSettings calibration;
-  std::optional<places::PlaceMap> places;  ///< map of keyframes; nothing: none
-  std::string places_lidar;                ///< whose sweeps are compared with it; empty: the first
-  ViewTap* view = nullptr;                 ///< outlives the pipeline; null: nobody can look
-  PipelineTap* tap = nullptr;              ///< outlives the pipeline; null: nobody wants copies
+  std::string places_lidar;    ///< whose sweeps are compared with it; empty: the first
+  ViewTap* view = nullptr;     ///< outlives the pipeline; null: nobody can look
+  PipelineTap* tap = nullptr;  ///< outlives the pipeline; null: nobody wants copies
 };
 
 /// The threads and the rings between them, live and in a replay:
@@ -57,6 +59,10 @@ class Pipeline {
   /// Hands a command of the owner to the calibration of a camera.
   void post(const CalibrationCommand& command) { fusion_.post(command); }
 
+  /// Takes maps over, in place of those in use; from any thread. One that is empty leaves the one
+  /// in use.
+  void replace(Maps maps);
+
   /// The items of the io thread, for a further reader that is registered before `start`, with a
   /// pin.
   SlotRing<StreamItem>& items() { return items_; }
@@ -78,6 +84,8 @@ class Pipeline {
   FusionThread fusion_;
   ImageThread decoder_;
   Intake intake_;
+  std::mutex replaced_mutex_;
+  std::vector<std::shared_ptr<MapTasks>> replaced_;  // until the fusion thread has left them
   std::jthread fusion_thread_;
   std::jthread image_thread_;
   std::jthread io_thread_;

@@ -1,5 +1,7 @@
 #include "daemon/pipeline/publisher.hpp"
 
+#include <algorithm>
+
 #include "daemon/process/process_times.hpp"
 #include "daemon/protocol/messages.hpp"
 #include "daemon/protocol/names.hpp"
@@ -93,7 +95,13 @@ void Publisher::publish_health(const ReportItem& item) {
   publish_alerts(alerts);
   if (file_ != nullptr) file_->write(message(report));  // without host figures
   alerts.clear();
-  checks_.check_host({totals_.host.stores, totals_.host.clock}, report, alerts);
+  const auto& lidars = item.counters.lidars;
+  const bool ptp_sensors = std::any_of(lidars.begin(), lidars.end(), [](const auto& lidar) {
+    return lidar.clock.source == ClockState::Source::kPtp;
+  });
+  checks_.check_host({totals_.host.stores, totals_.host.clock, totals_.host.maps,
+                      totals_.host.ptp_clocks, ptp_sensors},
+                     report, alerts);
   publish_alerts(alerts);
   report.host = totals_.host;
   for (const auto& listener : health_listeners_) listener(report);
@@ -125,7 +133,9 @@ HostStats Publisher::host_stats(const ReportItem& item) const {
                   static_cast<uint32_t>(ring_.capacity()), in_.lost()}};
   for (const auto& stats : queues_) host.queues.push_back(stats());
   for (const auto& status : stores_) host.stores.push_back(status());
+  for (const auto& map : maps_) host.maps.push_back(map());
   if (clock_) host.clock = clock_();
+  if (ptp_clocks_) host.ptp_clocks = ptp_clocks_();
   return host;
 }
 

@@ -73,6 +73,14 @@ class Publisher {
   /// Adds something that is kept on a disk to the figures of HEALTH and to the checks.
   void add_store(std::function<StoreStatus()> status) { stores_.push_back(std::move(status)); }
 
+  /// Sets who asks the PTP clocks at each HEALTH.
+  void set_ptp_clocks(std::function<std::vector<PtpClock>()> clocks) {
+    ptp_clocks_ = std::move(clocks);
+  }
+
+  /// Adds a map in use to the figures of HEALTH and to the checks.
+  void add_map(std::function<MapInUse()> map) { maps_.push_back(std::move(map)); }
+
   /// Sets who asks the host's clock at each HEALTH.
   void set_clock(std::function<std::optional<SystemClock>()> clock) { clock_ = std::move(clock); }
 
@@ -115,7 +123,9 @@ class Publisher {
       line_listeners_;
   std::vector<std::function<QueueStats()>> queues_;
   std::vector<std::function<StoreStatus()>> stores_;
+  std::vector<std::function<MapInUse()>> maps_;
   std::function<std::optional<SystemClock>()> clock_;
+  std::function<std::vector<PtpClock>()> ptp_clocks_;
   Server& server_;
   ReportsFile* file_;
   Totals totals_;

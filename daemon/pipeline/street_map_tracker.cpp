@@ -1,9 +1,13 @@
 #include "daemon/pipeline/street_map_tracker.hpp"
 
 #include <cmath>
+#include <memory>
+#include <optional>
+#include <utility>
 
 #include "daemon/pipeline/street_map_motion.hpp"
 #include "daemon/pipeline/unknown_pose.hpp"
+#include "drivers/gnss/local_frame.hpp"
 #include "fusion/geometry/plane_length.hpp"
 
 namespace infuse::daemon {
@@ -13,20 +17,51 @@ constexpr int kImageStep = 2;                      // pixels of the image for on
 constexpr Duration kMaxUpdateWait{5'000'000'000};  // ns; more remains after a jump back in time
 constexpr double kCourseSigma = 0.1;               // rad
 
+/// A pose on one map as one on another; nothing where they have nothing in common.
+std::optional<streetmap::PlanarPose> moved(const streetmap::PlanarPose& pose,
+                                           const streetmap::MapFrame& from,
+                                           const streetmap::MapFrame& to) {
+  if (from.georeferenced != to.georeferenced) return std::nullopt;
+  if (!from.georeferenced) return from == to ? std::optional(pose) : std::nullopt;
+  const auto source = gnss::make_local_frame(from.latitude, from.longitude);
+  const auto target = gnss::make_local_frame(to.latitude, to.longitude);
+  const auto place = [&](const Eigen::Vector2d& at) -> Eigen::Vector2d {
+    const Eigen::Vector3d earth = gnss::to_geodetic(source, {at.x(), at.y(), 0});
+    return gnss::to_local(target, earth.x(), earth.y()).head<2>();
+  };
+  constexpr double kAhead = 100;  // m: north is another direction at another longitude
+  const Eigen::Vector2d here = place({pose.x, pose.y}),
+                        ahead = place(pose.transform({kAhead, 0})) - here;
+  return streetmap::PlanarPose{here.x(), here.y(), std::atan2(ahead.y(), ahead.x())};
+}
+
 Eigen::Matrix3d diagonal(double metres, double yaw) {
   return Eigen::Vector3d(metres * metres, metres * metres, yaw * yaw).asDiagonal();
 }
 
 }  // namespace
 
-StreetMapTracker::StreetMapTracker(const StreetMapSettings& settings,
-                                   const streetmap::SegmentMap& map, const Rig& rig)
-    : settings_(settings), rig_(rig), tracker_(map, settings.tracker) {
+StreetMapTracker::StreetMapTracker(const StreetMapSettings& settings, StreetMapFile map,
+                                   const Rig& rig)
+    : settings_(settings),
+      rig_(rig),
+      map_(std::move(map)),
+      tracker_(std::make_unique<streetmap::Tracker>(map_.map, settings.tracker)) {
   for (const CameraMount& camera : rig.cameras) cameras_.emplace_back(camera.intrinsics);
-  const streetmap::MapFrame& frame = map.frame();
+  const streetmap::MapFrame& frame = map_.map.frame();
   if (frame.georeferenced) fixes_.emplace(gnss::make_local_frame(frame.latitude, frame.longitude));
   if (const auto start = stated_start(settings, frame))
-    tracker_.start(start->pose, diagonal(settings.initial_sigma, start->yaw_sigma));
+    tracker_->start(start->pose, diagonal(settings.initial_sigma, start->yaw_sigma));
+}
+
+void StreetMapTracker::go_on_from(const StreetMapTracker& before) {
+  now_ = before.now_;
+  next_update_ = before.next_update_;
+  tracker_ = std::make_unique<streetmap::Tracker>(map_.map, settings_.tracker);
+  const streetmap::TrackerEstimate estimate = before.tracker_->estimate();
+  if (!before.started() || !estimate.usable()) return;
+  const auto pose = moved(estimate.pose, before.map_.map.frame(), map_.map.frame());
+  if (pose) tracker_->start(*pose, estimate.covariance);
 }
 
 void StreetMapTracker::add_gnss(const GnssFix& fix) {
@@ -37,20 +72,20 @@ void StreetMapTracker::add_gnss(const GnssFix& fix) {
 // which particles reach, the track starts.
 void StreetMapTracker::use_fixes(const geometry::Trajectory& trajectory) {
   if (!fixes_) return;
-  const auto initial = tracker_.started() ? std::nullopt : fixes_->initial_pose(now_, trajectory);
+  const auto initial = tracker_->started() ? std::nullopt : fixes_->initial_pose(now_, trajectory);
   if (initial) {
     const streetmap::GnssOptions& gnss = settings_.tracker.gnss;
-    tracker_.start(initial->pose,
-                   diagonal(geometry::plane_length(gnss.map_sigma, gnss.slow_sigma * initial->hdop),
-                            kCourseSigma));
+    tracker_->start(initial->pose, diagonal(geometry::plane_length(gnss.map_sigma,
+                                                                   gnss.slow_sigma * initial->hdop),
+                                            kCourseSigma));
   }
-  while (const auto fix = fixes_->take(now_, tracker_.estimate().pose.yaw, trajectory)) {
-    tracker_.add_fix(*fix);
+  while (const auto fix = fixes_->take(now_, tracker_->estimate().pose.yaw, trajectory)) {
+    tracker_->add_fix(*fix);
   }
 }
 
 void StreetMapTracker::predict_to(Stamp stamp, const geometry::Trajectory& trajectory) {
-  if (now_ != Stamp::earliest() && stamp > now_) predict(tracker_, trajectory, now_, stamp);
+  if (now_ != Stamp::earliest() && stamp > now_) predict(*tracker_, trajectory, now_, stamp);
   now_ = stamp;
 }
 
@@ -60,7 +95,7 @@ PoseReport StreetMapTracker::process(const SweepSnapshot& snapshot,
   predict_to(snapshot.deskewed.reference, trajectory);
   use_fixes(trajectory);
   if (snapshot.deskewed.usable()) {
-    tracker_.add_sweep(view(snapshot), nullptr);
+    tracker_->add_sweep(view(snapshot), nullptr);
     update_if_due();
   }
   return pose(odometry);
@@ -68,7 +103,7 @@ PoseReport StreetMapTracker::process(const SweepSnapshot& snapshot,
 
 void StreetMapTracker::update_if_due() {
   if (now_ < next_update_ && next_update_ - now_ < kMaxUpdateWait) return;
-  tracker_.update();
+  tracker_->update();
   ++updates_;
   next_update_ = now_ + from_seconds(1 / settings_.update_hz);
 }
@@ -78,7 +113,7 @@ void StreetMapTracker::add_image(const ImageMatch& match, const geometry::Trajec
   if (!match.snapshot.deskewed.usable() || !back.usable()) return;
   if (!streetmap::extract_features(match.image.frame, kImageStep, features_)) return;
   const streetmap::ImageView image{features_, cameras_[match.image.camera], match.T_camera_lidar};
-  tracker_.add_sweep(view(match.snapshot), &image, planar(back.T_from_to));
+  tracker_->add_sweep(view(match.snapshot), &image, planar(back.T_from_to));
 }
 
 streetmap::DeskewedView StreetMapTracker::view(const SweepSnapshot& snapshot) const {
@@ -88,7 +123,7 @@ streetmap::DeskewedView StreetMapTracker::view(const SweepSnapshot& snapshot) co
 }
 
 PoseReport StreetMapTracker::pose(const PoseReport& odometry) const {
-  const streetmap::TrackerEstimate estimate = tracker_.estimate();
+  const streetmap::TrackerEstimate estimate = tracker_->estimate();
   PoseReport report = odometry;
   report.frame = PoseFrame::kMap;
   report.T_frame_vehicle = estimate.T_map_vehicle();
@@ -102,12 +137,12 @@ PoseReport StreetMapTracker::pose(const PoseReport& odometry) const {
 }
 
 void StreetMapTracker::write(ViewMapPose& out) const {
-  const streetmap::TrackerEstimate estimate = tracker_.estimate();
+  const streetmap::TrackerEstimate estimate = tracker_->estimate();
   out.T_map_vehicle = estimate.T_map_vehicle();
   out.covariance = estimate.covariance.topLeftCorner<2, 2>();
   out.particles.clear();
   if (estimate.state == streetmap::TrackState::kTracking) return;
-  const std::span<const streetmap::Particle> all = tracker_.particles();
+  const std::span<const streetmap::Particle> all = tracker_->particles();
   const size_t step = (all.size() + ViewMapPose::kMaxParticles - 1) / ViewMapPose::kMaxParticles;
   for (size_t i = 0; i < all.size(); i += step) {
     out.particles.push_back({static_cast<float>(all[i].pose.x), static_cast<float>(all[i].pose.y)});
@@ -115,14 +150,14 @@ void StreetMapTracker::write(ViewMapPose& out) const {
 }
 
 StreetMapStatus StreetMapTracker::status() const {
-  const streetmap::TrackerEstimate estimate = tracker_.estimate();
+  const streetmap::TrackerEstimate estimate = tracker_->estimate();
   StreetMapStatus status;
   status.state = estimate.state;
   status.reason = estimate.reason;
   status.x = estimate.pose.x;
   status.y = estimate.pose.y;
   status.sigma = kUnknownSigma;
-  if (tracker_.started()) {
+  if (tracker_->started()) {
     status.sigma = streetmap::PoseMoments{estimate.pose, estimate.covariance}.spread();
   }
   status.elsewhere = estimate.elsewhere;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "daemon/pipeline/street_map_fixes.hpp"
 #include "daemon/pipeline/view_tap.hpp"
 #include "daemon/protocol/reports.hpp"
+#include "daemon/streetmap/street_map_file.hpp"
 #include "drivers/measurement/camera_frame.hpp"
 #include "drivers/measurement/rig.hpp"
 #include "drivers/measurement/vehicle_samples.hpp"
@@ -26,9 +28,13 @@ namespace infuse::daemon {
 /// throughout.
 class StreetMapTracker {
  public:
-  /// `settings.invalid()` must be empty. The map outlives this.
-  StreetMapTracker(const StreetMapSettings& settings, const streetmap::SegmentMap& map,
-                   const Rig& rig);
+  /// `settings.invalid()` must be empty.
+  StreetMapTracker(const StreetMapSettings& settings, StreetMapFile map, const Rig& rig);
+
+  /// Begins where the vehicle is on another map, which this takes the place of, instead of the
+  /// configured pose: at that pose where both maps have latitude and longitude or are of one frame
+  /// and it is not LOST, else without one.
+  void go_on_from(const StreetMapTracker& before);
 
   /// Adds a fix. It is used at the next sweep; of a map without latitude and longitude, never.
   void add_gnss(const GnssFix& fix);
@@ -47,7 +53,7 @@ class StreetMapTracker {
   PoseReport pose(const PoseReport& odometry) const;
 
   /// True once it has a place on the map, which may be wrong.
-  bool started() const { return tracker_.started(); }
+  bool started() const { return tracker_->started(); }
 
   /// Writes where the vehicle is on the map, for somebody who looks.
   void write(ViewMapPose& out) const;
@@ -63,9 +69,10 @@ class StreetMapTracker {
 
   StreetMapSettings settings_;
   Rig rig_;
+  StreetMapFile map_;
   std::vector<geometry::CameraModel> cameras_;
-  std::optional<StreetMapFixes> fixes_;  // nothing: the map has no latitude and longitude
-  streetmap::Tracker tracker_;
+  std::optional<StreetMapFixes> fixes_;          // nothing: the map has no latitude and longitude
+  std::unique_ptr<streetmap::Tracker> tracker_;  // reads map_
   streetmap::ImageFeatures features_;
   Stamp now_ = Stamp::earliest();  // of the particles
   Stamp next_update_ = Stamp::earliest();

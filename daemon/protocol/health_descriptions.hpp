@@ -208,6 +208,26 @@ void describe(Visitor& v, const SystemClock& clock) {
 }
 
 template <class Visitor>
+void describe(Visitor& v, const PtpClock& clock) {
+  v.field("device", clock.device, "PTP hardware clock of a network interface");
+  v.field("offset_s", rounded(clock.offset_s),
+          "PTP clock minus the host's; without the whole seconds between TAI and UTC.",
+          gauge("infuse_ptp_clock_offset_seconds"));
+  v.field("agrees", clock.agrees(), "Whether a PTP clock and the host's agree within 1 ms.",
+          gauge("infuse_ptp_clock_agrees"));
+}
+
+template <class Visitor>
+void describe(Visitor& v, const MapInUse& map) {
+  v.field("map", map.name, "section of the configuration that names it");
+  v.field("digest", map.digest, "of the map in use");
+  v.field("current", map.problem.empty(),
+          "Whether a map in use is what lies in its place; a new one may be refused.",
+          gauge("infuse_map_current"));
+  v.field("problem", unless_empty(map.problem), "why it is not");
+}
+
+template <class Visitor>
 void describe(Visitor& v, const HostStats& host) {
   v.field("cpu_s", non_negative(rounded(host.cpu_s)), "Processor time of the daemon.",
           counter("process_cpu_seconds_total"));
@@ -215,6 +235,9 @@ void describe(Visitor& v, const HostStats& host) {
   v.field("queues", host.queues);
   v.field("stores", when(!host.stores.empty(), host.stores), "live: what is kept on disks");
   v.field("clock", host.clock, "live: the host's clock; absent if the kernel does not say");
+  v.field("ptp_clocks", when(!host.ptp_clocks.empty(), host.ptp_clocks),
+          "live: the PTP clocks that may be read");
+  v.field("maps", when(!host.maps.empty(), host.maps), "live: the maps in use");
 }
 
 template <class Visitor>

@@ -131,6 +131,8 @@ struct HostStats {
   std::vector<QueueStats> queues;
   std::vector<StoreStatus> stores;   ///< live
   std::optional<SystemClock> clock;  ///< live; nothing if it cannot be asked
+  std::vector<MapInUse> maps;        ///< live
+  std::vector<PtpClock> ptp_clocks;  ///< live
 };
 
 /// Health of one device.

@@ -3,9 +3,13 @@
 #include <spdlog/spdlog.h>
 
 #include <cstdlib>
+#include <memory>
+#include <utility>
+#include <vector>
 
 #include "daemon/command_line/version.hpp"
 #include "daemon/history/history_writer.hpp"
+#include "daemon/mapping/place_map.hpp"
 #include "daemon/metrics/metrics_feed.hpp"
 #include "daemon/mqtt/mqtt_feed.hpp"
 #include "daemon/pipeline/alert_log.hpp"
@@ -13,6 +17,8 @@
 #include "daemon/process/state_lock.hpp"
 #include "daemon/sensors/live_pipeline.hpp"
 #include "daemon/service/daemon_host.hpp"
+#include "daemon/service/map_watch.hpp"
+#include "daemon/service/ptp_clocks.hpp"
 #include "daemon/service/service_lifecycle.hpp"
 #include "daemon/service/system_clock.hpp"
 #include "daemon/setup/live_setup.hpp"
@@ -39,6 +45,38 @@ void log_sensors(const SensorSetup& setup, const std::string& config_file) {
     spdlog::info("{}: {} {} on {}", device.name, device.kind, device.model, device.endpoint);
   }
   if (sensors.empty()) spdlog::warn("{}: no sensor is configured", config_file);
+}
+
+/// Watches the maps that are in use; what they are replaced by goes to the pipeline, and to who
+/// draws it (null: nobody).
+std::vector<std::unique_ptr<MapWatch>> watch_maps(const Config& config, const DaemonHost& host,
+                                                  Pipeline& pipeline, ViewServer* view) {
+  std::vector<std::unique_ptr<MapWatch>> watches;
+  if (!config.streetmap.map.empty()) {
+    const auto replace = [&config, &pipeline, view](const std::stop_token&) {
+      return open_street_map(config).map([&](const StreetMapFile& map) {
+        pipeline.replace({.street_map = map});
+        if (view != nullptr) view->set_map(map);
+        return map.digest;
+      });
+    };
+    watches.push_back(std::make_unique<MapWatch>("streetmap", config.resolve(config.streetmap.map),
+                                                 host.street_map_digest(), replace));
+  }
+  if (config.map.directory.empty()) return watches;
+  const auto replace = [&config, &pipeline](const std::stop_token& stop) -> Result<std::string> {
+    auto opened = open_place_map(config);
+    if (!opened) return tl::unexpected(opened.error());
+    OpenedPlaces& places = **opened;
+    if (const auto whole = check_clouds(places.map, stop); !whole) {
+      return tl::unexpected(whole.error());
+    }
+    pipeline.replace({.places = std::move(places.map)});
+    return places.digest;
+  };
+  watches.push_back(std::make_unique<MapWatch>(
+      "map", config.resolve(config.map.directory) / map_file::kMap, host.places_digest(), replace));
+  return watches;
 }
 
 }  // namespace
@@ -69,7 +107,7 @@ int run_live(const RunOptions& options, const Config& config) {
   auto messages =
       open_messages(options.mcap, config.view.enabled(), config.lcm, message_setup(*setup));
   if (!messages) return refuse(messages.error());
-  auto view = open_view(config.view, setup->rig, pipeline_options.street_map, nullptr,
+  auto view = open_view(config.view, setup->rig, pipeline_options.maps.street_map, nullptr,
                         messages->channels.get());
   if (!view) return refuse(view.error());
 
@@ -103,6 +141,7 @@ int run_live(const RunOptions& options, const Config& config) {
   }
   SystemClockQuery clock;
   publisher.set_clock([&clock] { return clock.ask(); });
+  publisher.set_ptp_clocks([ptp = PtpClocks()] { return ptp.ask(); });
   if (const auto& folder = recordings.directory(); !folder.empty()) {
     publisher.add_store([&folder] { return StoreStatus{"recordings", free_space(folder), ""}; });
   }
@@ -123,13 +162,15 @@ int run_live(const RunOptions& options, const Config& config) {
   }
   host.connect(live.pipeline(),
                [&](const Request& request) { return recordings.handle_request(request); });
-  ServiceLifecycle lifecycle({.io = host.io(),
-                              .publisher = publisher,
-                              .recordings = recordings,
-                              .server = host.server(),
-                              .stop = [&] { live.stop(); },
-                              .now = now},
-                             options.config, config, host.calibration_damage());
+  ServiceLifecycle lifecycle(
+      {.io = host.io(),
+       .publisher = publisher,
+       .recordings = recordings,
+       .server = host.server(),
+       .stop = [&] { live.stop(); },
+       .now = now,
+       .maps = watch_maps(config, host, live.pipeline(), view->server.get())},
+      options.config, config, host.calibration_damage());
 
   // The end, when the pipeline has ended.
   on_end = [&] {

@@ -75,8 +75,8 @@ int run_replay(const RunOptions& options, const Config& config) {
       if (pacer != nullptr) set_pace(*pacer, command);
     });
   };
-  auto view =
-      open_view(viewed, setup->rig, pipeline_options.street_map, control, messages->channels.get());
+  auto view = open_view(viewed, setup->rig, pipeline_options.maps.street_map, control,
+                        messages->channels.get());
   if (!view) return refuse(view.error());
   if (view->server) std::cerr << "view: " << view->server->page_address() << std::endl;
 
@@ -101,8 +101,8 @@ int run_replay(const RunOptions& options, const Config& config) {
   });
   start_messages(*messages, replay.pipeline(), false);
   TrajectoryOutput trajectory(options.trajectory);
-  trajectory.collect(publisher,
-                     !pipeline_options.street_map->empty() || pipeline_options.places.has_value());
+  trajectory.collect(publisher, !pipeline_options.maps.street_map.map.empty() ||
+                                    pipeline_options.maps.places.has_value());
 
   // The end, when the pipeline has ended.
   const bool waits = view->server && !options.no_wait;

@@ -199,7 +199,7 @@ void RecordingController::publish_report(const RecordReport& report) {
 }
 
 /// Lets who takes recordings off the vehicle know (systemd/infuse-upload.path), if there is one.
-void RecordingController::announce(const RecordReport& report) const {
+void RecordingController::announce(const RecordReport& report) {
   const char* state = std::getenv("STATE_DIRECTORY");
   const std::filesystem::path spool =
       std::filesystem::path(state == nullptr ? "" : state) / "spool";
@@ -208,7 +208,11 @@ void RecordingController::announce(const RecordReport& report) const {
   const std::string line = report.folder + "\n";
   const auto written =
       recording::write_file_atomically(spool / report.name, std::as_bytes(std::span(line)), 0640);
-  if (!written) spdlog::warn("{}", written.error().message());
+  if (!written) {
+    raise_failure_alert(report.stamp, report.name +
+                                          " is not in the spool, and stays on the vehicle: " +
+                                          written.error().message());
+  }
 }
 
 // Raised once, until a recording begins.

@@ -60,7 +60,7 @@ class RecordingController {
   Result<void> create_directory() const;
   void on_alert(const AlertReport& alert);
   void publish_report(const RecordReport& report);
-  void announce(const RecordReport& report) const;
+  void announce(const RecordReport& report);
   void raise_failure_alert(Stamp stamp, const std::string& what);
 
   RecordSettings settings_;

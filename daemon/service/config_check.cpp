@@ -43,7 +43,7 @@ Result<void> check_maps(const Config& config) {
   if (const auto map = open_street_map(config); !map) return tl::unexpected(map.error());
   const auto map = open_place_map(config);
   if (!map) return tl::unexpected(map.error());
-  return *map ? check_clouds(**map) : Result<void>();
+  return *map ? check_clouds((*map)->map) : Result<void>();
 }
 
 ConfigCheck check_config(const std::filesystem::path& file) {

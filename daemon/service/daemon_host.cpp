@@ -48,11 +48,15 @@ Result<StreetMapFile> open_street_map(const Config& config) {
   return map;
 }
 
-Result<std::optional<places::PlaceMap>> open_place_map(const Config& config) {
-  if (config.map.directory.empty()) return std::optional<places::PlaceMap>();
-  auto map = open_place_map(MapFolder(config.resolve(config.map.directory)));
+Result<std::optional<OpenedPlaces>> open_place_map(const Config& config) {
+  if (config.map.directory.empty()) return std::optional<OpenedPlaces>();
+  const auto folder = MapFolder(config.resolve(config.map.directory)).hold();
+  if (!folder) return tl::unexpected(folder.error());
+  auto map = open_place_map(*folder);
   if (!map) return tl::unexpected(map.error());
-  return std::optional(*std::move(map));
+  auto digest = map_digest(*folder);
+  if (!digest) return tl::unexpected(digest.error());
+  return OpenedPlaces{*std::move(map), *std::move(digest)};
 }
 
 DaemonHost::DaemonHost(const Config& config, const std::filesystem::path& state_folder)
@@ -69,7 +73,10 @@ tl::expected<void, StartError> DaemonHost::open(Rig& rig, const std::string& soc
   map_ = *std::move(map);
   auto places = open_place_map(config_);
   if (!places) return tl::unexpected(StartError{places.error(), kUnreadable});
-  places_ = *std::move(places);
+  if (*places) {
+    places_ = std::move((*places)->map);
+    places_digest_ = std::move((*places)->digest);
+  }
   const std::string& lidar = config_.map.lidar;
   if (places_ && !lidar.empty() && rig.find_lidar(lidar) == nullptr) {
     return tl::unexpected(StartError{{"[map] names a lidar that is not there", lidar, ""}, kUsage});
@@ -84,9 +91,8 @@ PipelineOptions DaemonHost::pipeline_options() const {
   return {.health = config_.health,
           .odometry = config_.odometry,
           .streetmap = config_.streetmap,
-          .street_map = &map_.map,
+          .maps = {map_, places_},
           .calibration = config_.calibration,
-          .places = places_,
           .places_lidar = config_.map.lidar};
 }
 

@@ -22,13 +22,19 @@ struct StartError {
   ExitCode code = kUsage;
 };
 
+/// A map of keyframes that was opened.
+struct OpenedPlaces {
+  places::PlaceMap map;
+  std::string digest;
+};
+
 /// Opens the configured street map; an empty map if none is configured. Fails if the file is
 /// missing or damaged, or has no latitude and longitude though the initial pose is given by them.
 Result<StreetMapFile> open_street_map(const Config& config);
 
 /// Opens the configured map of keyframes; nothing if none is configured. Fails if it is not
 /// complete or a file is damaged.
-Result<std::optional<places::PlaceMap>> open_place_map(const Config& config);
+Result<std::optional<OpenedPlaces>> open_place_map(const Config& config);
 
 /// Everything around the pipeline that a live run and a replay share: the event loop, the server,
 /// the saved calibrations, the street map, control requests and signals. The composition root of
@@ -79,6 +85,10 @@ class DaemonHost {
   /// Why the saved calibrations could not be read; nothing if they could.
   const std::optional<std::string>& calibration_damage() const { return calibrations_.damage(); }
 
+  /// Digest of the street map, and of the map of keyframes, at the start; empty without it.
+  const std::string& street_map_digest() const { return map_.digest; }
+  const std::string& places_digest() const { return places_digest_; }
+
   boost::asio::io_context& io() { return io_; }
   Server& server() { return server_; }
 
@@ -95,6 +105,7 @@ class DaemonHost {
   RequestHandler on_record_;
   StreetMapFile map_;
   std::optional<places::PlaceMap> places_;
+  std::string places_digest_;
 };
 
 /// Opens the sockets for clients: the service manager's, or else `socket`, the configured path, or

@@ -43,6 +43,9 @@ ServiceLifecycle::ServiceLifecycle(ServiceParts parts, const std::string& config
       return StoreStatus{"state", free_space(folder), run_tracker_.problem()};
     });
   }
+  for (const auto& map : parts_.maps) {
+    parts_.publisher.add_map([watch = map.get()] { return watch->in_use(); });
+  }
   wait_for_reload();
 }
 
@@ -59,6 +62,7 @@ void ServiceLifecycle::finish() {
 // A tick has passed through every thread; this feeds the watchdog.
 void ServiceLifecycle::on_progress() {
   parts_.recordings.publish_updates();
+  for (const auto& map : parts_.maps) map->poll(MapWatch::Clock::now());
   const std::string status = status_text(parts_.publisher);
   remember_report(status + recent_alerts_);
   if (!std::exchange(ready_, true)) {
@@ -96,6 +100,7 @@ void ServiceLifecycle::wait_for_reload() {
 // The pipeline continues; tracks and calibrations are kept.
 void ServiceLifecycle::reload_config() {
   service_manager::notify_reloading();
+  for (const auto& map : parts_.maps) map->try_again();
   const auto loaded = load_config(config_file_);
   if (!loaded) {
     spdlog::error("reload failed, the running configuration is kept: {}", loaded.error().message());

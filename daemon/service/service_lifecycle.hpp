@@ -3,12 +3,15 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <functional>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "daemon/config/config.hpp"
 #include "daemon/history/run_tracker.hpp"
 #include "daemon/pipeline/publisher.hpp"
 #include "daemon/sensors/recording_controller.hpp"
+#include "daemon/service/map_watch.hpp"
 
 namespace infuse::daemon {
 
@@ -18,8 +21,9 @@ struct ServiceParts {
   Publisher& publisher;
   RecordingController& recordings;
   Server& server;
-  std::function<void()> stop;  ///< requests the end of the pipeline
-  std::function<Stamp()> now;  ///< the present
+  std::function<void()> stop;                     ///< requests the end of the pipeline
+  std::function<Stamp()> now;                     ///< the present
+  std::vector<std::unique_ptr<MapWatch>> maps{};  ///< in use
 };
 
 /// The live daemon as a service: notifies the service manager, tracks runs, publishes the state of

@@ -2,10 +2,16 @@
 
 #include <cctype>
 #include <map>
+#include <memory>
+#include <span>
+#include <string>
 
 #include "daemon/streetmap/street_plan_from_osm.hpp"
 #include "drivers/camera/image_decoder.hpp"
 #include "drivers/osm/openstreetmap.hpp"
+#include "drivers/recording/mapped_file.hpp"
+#include "drivers/text/checksum.hpp"
+#include "drivers/text/text_file.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -76,11 +82,13 @@ Result<GeneratedStreetMap> make_from_openstreetmap(const std::filesystem::path& 
 }  // namespace
 
 Result<StreetMapFile> open_street_map_file(const std::filesystem::path& path) {
-  auto file = recording::MappedFile::open(path);
-  if (!file) return tl::unexpected(file.error());
-  auto map = streetmap::SegmentMap::open(file->bytes(), path.string());
+  constexpr size_t kMaxBytes = size_t{1} << 35;  // SegmentMapWriter's limit is half of it
+  auto read = text::read_text(path, kMaxBytes);
+  if (!read) return tl::unexpected(read.error());
+  const auto bytes = std::make_shared<const std::string>(*std::move(read));
+  auto map = streetmap::SegmentMap::open(std::as_bytes(std::span(*bytes)), path.string());
   if (!map) return tl::unexpected(map.error());
-  return StreetMapFile{std::move(*file), *map};
+  return StreetMapFile{bytes, *map, text::checksum(*bytes)};
 }
 
 bool is_image_file(const std::filesystem::path& input) {

@@ -2,24 +2,27 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "drivers/osm/openstreetmap.hpp"
-#include "drivers/recording/mapped_file.hpp"
 #include "fusion/streetmap/map_from_image.hpp"
 #include "fusion/streetmap/rasterise.hpp"
 #include "fusion/streetmap/segment_map.hpp"
 
 namespace infuse::daemon {
 
-/// Memory-mapped street map file and the map that reads it in place.
+/// A street map that was read whole: what becomes of its file later changes nothing. Copies share
+/// the bytes.
 struct StreetMapFile {
-  recording::MappedFile file;
-  streetmap::SegmentMap map;
+  std::shared_ptr<const std::string> bytes;  ///< null: an empty map
+  streetmap::SegmentMap map;                 ///< reads the bytes in place
+  std::string digest;                        ///< `text::checksum` of the bytes
 };
 
-/// Opens a file that `infuse streetmap` wrote. Fails if it is missing, damaged or truncated.
+/// Reads a file that `infuse streetmap` wrote. Fails if it is missing, damaged or truncated.
 Result<StreetMapFile> open_street_map_file(const std::filesystem::path& path);
 
 /// Settings of `make_street_map`.

@@ -4,9 +4,8 @@
 
 namespace infuse::daemon {
 
-Result<View> open_view(const ViewSettings& settings, const Rig& rig,
-                       const streetmap::SegmentMap* map, ReplayControl control,
-                       ViewerChannels* channels) {
+Result<View> open_view(const ViewSettings& settings, const Rig& rig, const StreetMapFile& map,
+                       ReplayControl control, ViewerChannels* channels) {
   View view;
   if (!settings.enabled()) return view;
   view.tap = std::make_unique<ViewTap>(rig.cameras.size());

@@ -16,11 +16,10 @@ struct View {
   std::unique_ptr<ViewServer> server;
 };
 
-/// Opens the view, if it is enabled; `map` and `channels` (may be null) outlive it; `control`: null
+/// Opens the view, if it is enabled; `channels` (may be null) outlives it; `control`: null
 /// for a live run. Errors: the port is taken.
-Result<View> open_view(const ViewSettings& settings, const Rig& rig,
-                       const streetmap::SegmentMap* map, ReplayControl control,
-                       ViewerChannels* channels = nullptr);
+Result<View> open_view(const ViewSettings& settings, const Rig& rig, const StreetMapFile& map,
+                       ReplayControl control, ViewerChannels* channels = nullptr);
 
 /// Gives the publisher's reports to the view. `on_sweep`, if not null, is called after each SWEEP.
 void publish_to_view(const View& view, Publisher& publisher,

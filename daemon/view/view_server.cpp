@@ -48,7 +48,7 @@ std::string key_of(const char* kind, size_t index) {
 /// The thread and what runs on it.
 class ViewServer::Impl {
  public:
-  Impl(const ViewSettings& settings, const Rig& rig, const streetmap::SegmentMap* map, ViewTap& tap,
+  Impl(const ViewSettings& settings, const Rig& rig, const StreetMapFile& map, ViewTap& tap,
        ReplayControl control, ViewerChannels* channels)
       : settings_(settings),
         rig_(rig),
@@ -101,6 +101,13 @@ class ViewServer::Impl {
       pending_.fetch_sub(1);
       if (kept) reports_.add(report_class, message->data);
       for (const auto& client : clients_) client->send(message);
+    });
+  }
+
+  void set_map(const StreetMapFile& map) {
+    asio::post(io_, [this, map] {
+      map_ = map;
+      last_map_.reset();
     });
   }
 
@@ -225,11 +232,11 @@ class ViewServer::Impl {
 
   /// Sends the street map around the vehicle, when it has left the middle of what was sent.
   void send_map() {
-    if (map_ == nullptr || map_->empty() || !sweep_.map) return;
+    if (map_.map.empty() || !sweep_.map) return;
     const Eigen::Vector2d at = sweep_.map->T_map_vehicle.translation().head<2>();
     if (last_map_ && (at - map_middle_).norm() < kMapStep) return;
     map_middle_ = at;
-    last_map_ = send_all("map", encode_map(*map_, at, sweep_.stamp));
+    last_map_ = send_all("map", encode_map(map_.map, at, sweep_.stamp));
   }
 
   ViewClient::Message send_all(std::string key, std::string data) {
@@ -241,7 +248,7 @@ class ViewServer::Impl {
 
   const ViewSettings settings_;
   const Rig rig_;
-  const streetmap::SegmentMap* const map_;
+  StreetMapFile map_;
   ViewTap& tap_;
   const ReplayControl control_;
   ViewerChannels* const channels_;
@@ -272,8 +279,8 @@ ViewServer::ViewServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 ViewServer::~ViewServer() = default;
 
 Result<std::unique_ptr<ViewServer>> ViewServer::start(const ViewSettings& settings, const Rig& rig,
-                                                      const streetmap::SegmentMap* map,
-                                                      ViewTap& tap, ReplayControl control,
+                                                      const StreetMapFile& map, ViewTap& tap,
+                                                      ReplayControl control,
                                                       ViewerChannels* channels) {
   auto impl = std::make_unique<Impl>(settings, rig, map, tap, std::move(control), channels);
   if (auto listening = impl->listen(); !listening) return tl::unexpected(listening.error());
@@ -292,6 +299,8 @@ std::string ViewServer::page_address() const {
 void ViewServer::publish(ReportClass report_class, const std::string& line) {
   impl_->publish(report_class, line);
 }
+
+void ViewServer::set_map(const StreetMapFile& map) { impl_->set_map(map); }
 
 void ViewServer::end_drive() { impl_->end_drive(); }
 

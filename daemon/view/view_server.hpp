@@ -7,11 +7,11 @@
 #include "daemon/config/view_settings.hpp"
 #include "daemon/pipeline/view_tap.hpp"
 #include "daemon/protocol/reports.hpp"
+#include "daemon/streetmap/street_map_file.hpp"
 #include "daemon/view/view_command.hpp"
 #include "daemon/view/viewer_channels.hpp"
 #include "drivers/measurement/error.hpp"
 #include "drivers/measurement/rig.hpp"
-#include "fusion/streetmap/segment_map.hpp"
 
 namespace infuse::daemon {
 
@@ -26,10 +26,10 @@ using ReplayControl = std::function<void(const ViewCommand&)>;
 /// frames.
 class ViewServer {
  public:
-  /// `tap`, `map` (null or empty: nothing is beneath) and `channels` (null: no viewers of others)
+  /// `map`: what is beneath; empty: nothing. `tap` and `channels` (null: no viewers of others)
   /// outlive this. `control`: null for a live run. Errors: the address cannot be bound.
   static Result<std::unique_ptr<ViewServer>> start(const ViewSettings& settings, const Rig& rig,
-                                                   const streetmap::SegmentMap* map, ViewTap& tap,
+                                                   const StreetMapFile& map, ViewTap& tap,
                                                    ReplayControl control,
                                                    ViewerChannels* channels = nullptr);
   ~ViewServer();
@@ -47,6 +47,9 @@ class ViewServer {
 
   /// Publishes a report, a line of JSON; from any thread.
   void publish(ReportClass report_class, const std::string& line);
+
+  /// Draws another street map from now on; from any thread.
+  void set_map(const StreetMapFile& map);
 
   /// Tells the pages, and those opened later, that the drive has ended; from any thread.
   void end_drive();

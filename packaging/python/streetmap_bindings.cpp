@@ -1,6 +1,12 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <memory>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
 #include "daemon/streetmap/street_map_file.hpp"
 #include "drivers/measurement/angles.hpp"
 #include "drivers/recording/atomic_file.hpp"
@@ -17,7 +23,7 @@ using streetmap::SegmentMap;
 
 /// A street map, and the bytes that it reads in place.
 struct Map {
-  std::variant<std::vector<std::byte>, recording::MappedFile> memory;
+  std::variant<std::vector<std::byte>, std::shared_ptr<const std::string>> memory;
   SegmentMap map;
   std::vector<std::string> warnings;
 };
@@ -25,7 +31,7 @@ struct Map {
 std::shared_ptr<Map> open_map(const fs::path& path) {
   const py::gil_scoped_release release;
   auto opened = value_or_raise(daemon::open_street_map_file(path));
-  return std::make_shared<Map>(Map{std::move(opened.file), opened.map, {}});
+  return std::make_shared<Map>(Map{opened.bytes, opened.map, {}});
 }
 
 daemon::StreetMapOptions compile_options(double cell_size, const py::object& clip_deg,
@@ -66,7 +72,7 @@ std::shared_ptr<Map> compile_map(const fs::path& source, double cell_size,
 
 std::span<const std::byte> bytes_of(const Map& map) {
   if (const auto* bytes = std::get_if<std::vector<std::byte>>(&map.memory)) return *bytes;
-  return std::get<recording::MappedFile>(map.memory).bytes();
+  return std::as_bytes(std::span(*std::get<std::shared_ptr<const std::string>>(map.memory)));
 }
 
 py::array_t<uint32_t> ids_at(const Map& map, const py::object& places) {

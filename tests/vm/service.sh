@@ -156,6 +156,18 @@ fi
 # --- package ---
 check "a client starts the daemon through the socket" within 5 sh -c 'infuse status --json | grep -q DEVICES && systemctl is-active infused'
 check "the self-test passes as the service's user" sh -c 'STATE_DIRECTORY=/var/lib/infuse setpriv --reuid=infuse --regid=infuse --init-groups infused --config /etc/infuse/infused.toml --self-test'
+if [[ ${1-} == faults ]]; then
+# An upgrade that is killed at any moment is finished by another one.
+upgrades=20 unfinished=0
+for round in $(seq $upgrades); do
+  setsid dpkg -i /proof/infused.deb >/tmp/upgrade.log 2>&1 & upgrade=$!
+  sleep "$((RANDOM % 3)).$((RANDOM % 10))"
+  { kill -9 -- -$upgrade; wait $upgrade; } 2>/dev/null
+  { dpkg --configure -a; dpkg -i /proof/infused.deb && within 10 systemctl is-active infused; } >/tmp/upgrade.log 2>&1 ||
+    { unfinished=$((unfinished + 1)); tail -n 5 /tmp/upgrade.log; }
+done
+check "$upgrades killed upgrades: $unfinished cannot be finished" test $unfinished = 0
+fi
 check "upgrade keeps it running" sh -c 'dpkg -i /proof/infused.deb && systemctl is-active infused'
 check "remove stops it" sh -c 'dpkg -r infused && ! systemctl is-active infused && ! test -e /usr/bin/infused'
 check "and keeps the configuration" test -e /etc/infuse/infused.toml

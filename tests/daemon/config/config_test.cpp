@@ -87,6 +87,7 @@ struct Wrong {
 };
 
 TEST(Config, ErrorsNameTheLineAndTheProblem) {
+  const std::string long_name = "[[lidar]]\nname = \"" + std::string(10'000, 'x') + "\"";
   const Wrong cases[] = {
       {"\n[health]\nstale_after = 3\n", "x.toml:3: unknown key 'stale_after'"},
       {"\n[health]\nstale_after = 3\n", "known keys: stale_after_s, raise_after_s"},
@@ -100,6 +101,9 @@ TEST(Config, ErrorsNameTheLineAndTheProblem) {
       {"lidar = 1", "tables: [[lidar]]"},
       {"lidar = [1]", "tables: [[lidar]]"},
       {"[[lidar]]\n[[lidar]]", "x.toml:2: two lidars are named 'lidar'"},
+      {"[[lidar]]\nname = \"a\\nb\"", "a name has 1 to 64 bytes and no control characters"},
+      {long_name.c_str(), "a name has 1 to 64 bytes and no control characters"},
+      {"[odometry]\nimu_delay_ms = 1e300", "imu_delay_ms must be between -10000 and 10000"},
       {"log_level = \"loud\"", "log_level is none of"},
       {"a = = 1", "x.toml:1:"},
       {"[socket\n", "x.toml:1:"}};

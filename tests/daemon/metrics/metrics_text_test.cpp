@@ -132,6 +132,8 @@ HealthReport health_report() {
   health.host->stages = {
       {"monitor", {5, Duration(500'000), Duration(2'000'000), Duration(3'000'000)}, 1}};
   health.host->queues = {{"items", 1, 32, 9}};
+  health.host->maps = {{"streetmap", "ab", ""}, {"map", "cd", "is damaged"}};
+  health.host->ptp_clocks = {{"ptp0", -0.25}};
   return health;
 }
 
@@ -172,6 +174,10 @@ TEST(MetricsText, FollowsTheFormat) {
   EXPECT_EQ(value("infuse_stage_deadline_misses_total{stage=\"monitor\"}"), 1);
   EXPECT_EQ(value("infuse_queue_lost_total{queue=\"items\"}"), 9);
   EXPECT_EQ(value("process_cpu_seconds_total"), 1.5);
+  EXPECT_EQ(value(R"(infuse_map_current{map="streetmap",digest="ab"})"), 1);
+  EXPECT_EQ(value(R"(infuse_map_current{map="map",digest="cd"})"), 0);
+  EXPECT_EQ(value("infuse_ptp_clock_offset_seconds{clock=\"ptp0\"}"), -0.25);
+  EXPECT_EQ(value("infuse_ptp_clock_agrees{clock=\"ptp0\"}"), 0);
   for (const auto& [name, type] : scraped.types) {
     EXPECT_EQ(name.ends_with("_total"), type == "counter") << name;
   }

@@ -1,4 +1,5 @@
 #include "daemon/pipeline/fusion_thread.hpp"
+#include "tests/fusion/streetmap/town.hpp"
 #include "tests/stamp_at.hpp"
 
 #include <gmock/gmock.h>
@@ -144,6 +145,25 @@ TEST_F(FusionThreadTest, ASweepWaitsForOdometryAtMostTheConfiguredTime) {
   EXPECT_EQ(reports[3].pose.stamp, at(0) + kSpan);
   EXPECT_FALSE(reports[3].pose.usable());
   EXPECT_EQ(reports[4].odometry.not_deskewed, 1U);
+}
+
+TEST_F(FusionThreadTest, AMapTakesThePlaceOfTheOneInUseWhichItsPosterKeeps) {
+  setup_.has_odometry = true;
+  const auto town = streetmap::town::build(streetmap::town::plan());
+  setup_.maps.street_map.map = town.map;
+  setup_.streetmap.initial_pose = InitialPose{0, 0, 0};
+  push(StreamItem::Kind::kStart, at(0));
+  const auto tasks = thread().make_map_tasks({.street_map = {{}, town.map, {}}});
+  const StreetMapTracker* next = tasks->street_map.get();
+  ASSERT_NE(next, nullptr);
+  EXPECT_EQ(tasks->places, nullptr);
+  thread().post(tasks);
+  push_sweep(at(0));
+  const auto reports = run(at(1));
+  EXPECT_NE(tasks->street_map.get(), next);
+  EXPECT_NE(tasks->street_map, nullptr);
+  EXPECT_EQ(tasks.use_count(), 1);
+  EXPECT_TRUE(reports.back().kind == Kind::kEnd && reports[reports.size() - 2].streetmap);
 }
 
 TEST_F(FusionThreadTest, AFlushProcessesTheSweepsThatWait) {

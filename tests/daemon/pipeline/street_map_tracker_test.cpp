@@ -109,6 +109,7 @@ class StreetMapTrackerTest : public testing::Test {
   Stamp start_ = Stamp::from_ns(1'000'000'000'000);
   Stamp now_ = start_;
   streetmap::town::Town town_ = streetmap::town::build(streetmap::town::plan());
+  StreetMapFile map_{{}, town_.map, {}};
   Rig rig_;
   geometry::Trajectory trajectory_;
   StreetMapSettings settings_;
@@ -118,7 +119,7 @@ class StreetMapTrackerTest : public testing::Test {
 
 TEST_F(StreetMapTrackerTest, ReportsThePoseOnTheMap) {
   settings_.initial_pose = InitialPose{-89, -2.5, 0.03};
-  StreetMapTracker tracker(settings_, town_.map, rig_);
+  StreetMapTracker tracker(settings_, map_, rig_);
   PoseReport odometry;
   odometry.speed = 5;
   const PoseReport pose = drive(tracker, 60, odometry);
@@ -138,7 +139,7 @@ TEST_F(StreetMapTrackerTest, ReportsThePoseOnTheMap) {
 }
 
 TEST_F(StreetMapTrackerTest, InitialisesFromSeveralGnssFixes) {
-  StreetMapTracker tracker(settings_, town_.map, rig_);
+  StreetMapTracker tracker(settings_, map_, rig_);
   drive(tracker, 1);
   PoseReport odometry;
   EXPECT_FALSE(tracker.pose(odometry).usable());
@@ -171,7 +172,7 @@ TEST_F(StreetMapTrackerTest, InitialisesFromSeveralGnssFixes) {
 TEST_F(StreetMapTrackerTest, ALocationStartsItAndIsNotUsableBeforeTracking) {
   const GnssFix place = fix_at(start_, {0, 0}, 1);
   settings_.initial_location = InitialLocation{place.latitude, place.longitude, M_PI / 2};
-  StreetMapTracker tracker(settings_, town_.map, rig_);
+  StreetMapTracker tracker(settings_, map_, rig_);
   const PoseReport first = drive(tracker, 1);
   EXPECT_LT(error(first), 1.5);
   EXPECT_EQ(first.map->state, TrackState::kUnsure);
@@ -179,7 +180,7 @@ TEST_F(StreetMapTrackerTest, ALocationStartsItAndIsNotUsableBeforeTracking) {
   EXPECT_STREQ(first.reason, first.map->reason);
   EXPECT_TRUE(is_valid_message(message(first)));
   settings_.require_tracking = false;
-  StreetMapTracker lenient(settings_, town_.map, rig_);
+  StreetMapTracker lenient(settings_, map_, rig_);
   const PoseReport unsure = drive(lenient, 1);
   EXPECT_TRUE(unsure.usable());
   EXPECT_EQ(unsure.map->state, TrackState::kUnsure);
@@ -189,7 +190,7 @@ TEST_F(StreetMapTrackerTest, ALocationStartsItAndIsNotUsableBeforeTracking) {
 TEST_F(StreetMapTrackerTest, AGapInOdometryWidensTheParticles) {
   settings_.initial_pose = InitialPose{-90, -1.3, 0};
   settings_.initial_sigma = 0.1;
-  StreetMapTracker tracker(settings_, town_.map, rig_);
+  StreetMapTracker tracker(settings_, map_, rig_);
   drive(tracker, 1);
   const geometry::Trajectory empty;
   deskewed_.reference = start_ + kStep;
@@ -199,6 +200,45 @@ TEST_F(StreetMapTrackerTest, AGapInOdometryWidensTheParticles) {
   const auto& C = pose.covariance;
   const double y = pose.T_frame_vehicle(1, 3);
   EXPECT_GT(C(3, 3) - 2 * y * C(2, 3) + y * y * C(2, 2), 4);
+}
+
+// On a map whose origin is another, the vehicle is where it was on the earth.
+TEST_F(StreetMapTrackerTest, GoesOnOnAnotherMap) {
+  settings_.initial_pose = InitialPose{-90, -1.3, 0};
+  StreetMapTracker before(settings_, map_, rig_);
+  const PoseReport last = drive(before, 4);
+  const streetmap::MapFrame& frame = map_.map.frame();
+  const auto old_origin = gnss::make_local_frame(frame.latitude, frame.longitude);
+  const double latitude = frame.latitude + 3e-4, longitude = frame.longitude - 2e-3;
+  streetmap::SegmentMapWriter writer({true, latitude, longitude, 0.2, {-500, -500}}, 1, 1);
+  const auto bytes = std::make_shared<const std::vector<std::byte>>(
+      writer.finish(std::vector<streetmap::Segment>(1), "").value());
+  StreetMapTracker next(settings_, {{}, streetmap::SegmentMap::open(*bytes, "").value(), {}}, rig_);
+  next.go_on_from(before);
+  ASSERT_TRUE(next.started());
+  const Eigen::Isometry3d T = next.pose({}).T_frame_vehicle,
+                          T_before = before.pose({}).T_frame_vehicle;
+  const auto on_earth = [](const gnss::LocalFrame& local,
+                           const Eigen::Vector3d& at) -> Eigen::Vector3d {
+    return gnss::to_geodetic(local, {at.x(), at.y(), 0});
+  };
+  const auto new_origin = gnss::make_local_frame(latitude, longitude);
+  for (const double ahead : {0.0, 50.0}) {
+    const Eigen::Vector3d is = on_earth(new_origin, T * Eigen::Vector3d(ahead, 0, 0));
+    const Eigen::Vector3d was = on_earth(old_origin, T_before * Eigen::Vector3d(ahead, 0, 0));
+    constexpr double kEarth = 6.4e6;                                // m
+    EXPECT_LT((is - was).head<2>().norm() * kEarth, 1.0) << ahead;  // particles are drawn anew
+  }
+  EXPECT_FALSE(last.map->state == TrackState::kLost);
+  // From a map that has no latitude and longitude there is no way to one that has.
+  StreetMapTracker other(settings_, map_, rig_);
+  StreetMapFile image = map_;
+  streetmap::SegmentMapWriter plain({false, 0, 0, 0.2, {0, 0}}, 1, 1);
+  const auto plain_bytes = plain.finish(std::vector<streetmap::Segment>(1), "").value();
+  image.map = streetmap::SegmentMap::open(plain_bytes, "").value();
+  StreetMapTracker of_image(settings_, image, rig_);
+  other.go_on_from(of_image);
+  EXPECT_FALSE(other.started());
 }
 
 TEST(StreetMapSettings, InvalidSettingsAreErrors) {

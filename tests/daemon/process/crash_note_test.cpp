@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <csignal>
 #include <fstream>
 #include <functional>
@@ -12,6 +13,7 @@
 #include <thread>
 
 #include "daemon/process/abort_marker.hpp"
+#include "tests/faults/disk_fault.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace infuse::daemon {
@@ -77,6 +79,33 @@ TEST_F(CrashNoteTest, AnOverflowOfTheStackLeavesANote) {
   };
   EXPECT_EQ(signal_of(in_a_thread), SIGSEGV);
   EXPECT_THAT(note(), testing::StartsWith("signal 11\n"));
+}
+
+// The process ends by its signal, and what is there stays.
+TEST_F(CrashNoteTest, OnADiskThatFailsThereIsNoNoteAndNothingElseChanges) {
+  const std::filesystem::path marker = folder_ / "abort_marker";
+  for (const int error : {ENOSPC, EIO, EROFS}) {
+    const DiskFault fault(folder_.path(), error);
+    EXPECT_EQ(signal_of([] { crash_here(SIGSEGV); }), SIGSEGV);
+    EXPECT_EQ(signal_of([] {
+                kill(getpid(), SIGABRT);  // as from the service manager
+                pause();
+              }),
+              SIGABRT);
+    EXPECT_FALSE(std::filesystem::exists(file_)) << error;
+    EXPECT_FALSE(std::filesystem::exists(marker)) << error;
+    EXPECT_FALSE(keep_crash_note(file_, "x"));
+    EXPECT_FALSE(consume_abort_marker(marker));
+  }
+  EXPECT_EQ(signal_of([] { crash_here(SIGSEGV); }), SIGSEGV);
+  const std::string before = note();
+  {
+    const DiskFault fault(folder_.path(), EROFS);
+    EXPECT_EQ(signal_of([] { crash_here(SIGBUS); }), SIGBUS);
+    EXPECT_EQ(note(), before);
+    EXPECT_FALSE(keep_crash_note(file_, "x"));  // it cannot be moved
+  }
+  EXPECT_TRUE(keep_crash_note(file_, "x"));
 }
 
 // The independent truth is the address of this program's own code, as the linker placed it.

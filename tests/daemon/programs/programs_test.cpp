@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -65,6 +67,19 @@ TEST_F(ProgramsTest, ExitCodesAreAsDocumented) {
   EXPECT_EQ(run("infused --replay " + path() + " --rate 0" + socket()).code, 2);
   EXPECT_EQ(run("infused --replay " + path() + " --model X" + socket()).code, 2);
   EXPECT_EQ(run("infused --replay " + path() + " --reports /nonexistent/x" + socket()).code, 2);
+}
+
+TEST_F(ProgramsTest, ASimulationIsNotWrittenAmongOtherFiles) {
+  if (!std::filesystem::exists(programs_folder() + "/infuse-simulate")) {
+    GTEST_SKIP() << "infuse-simulate is not built";
+  }
+  std::ofstream(folder_ / "mine") << "text";
+  const ProgramResult refused =
+      run("infuse-simulate " + source_folder() + "/fixtures/scenarios/street_quick.toml -o " +
+          (folder_ / "").string());
+  EXPECT_EQ(refused.code, 2) << refused.output;
+  EXPECT_THAT(refused.output, HasSubstr("is not empty, and no drive"));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_ / ""), {}), 1);
 }
 
 TEST_F(ProgramsTest, AConfigurationIsCheckedWithoutStarting) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <random>
 
 #include "tests/daemon/live_daemon.hpp"
@@ -89,6 +90,45 @@ TEST(Reload, AConfigurationThatIsWrongOrNotReadyInTimeIsTakenBack) {
   EXPECT_EQ(folder.read("infused.toml"), kFirst);
   EXPECT_THAT(daemon.wait_for(" first"), HasSubstr(" first\n"));
   EXPECT_FALSE(std::filesystem::exists(folder / "infused.toml.trying"));
+}
+
+// INFUSE_KILLS=200 in the environment: as many moments; by default ten.
+TEST(Reload, AKilledApplyLeavesTheOldConfigurationOrTheNew) {
+  const ScratchFolder folder;
+  LiveDaemon daemon(folder, kFirst);
+  daemon.wait_for(" first");
+  const std::string next = "version = \"next\"\n" + std::string(20'000, '#') + "\n";
+  folder.write("new.toml", next);
+  const std::string program = programs_folder() + "/infuse", to_apply = folder / "new.toml",
+                    target = folder / "infused.toml", socket = folder / "s",
+                    restart = "kill -HUP " + std::to_string(daemon.process());
+  const char* asked = std::getenv("INFUSE_KILLS");
+  const int kills = asked != nullptr ? std::atoi(asked) : 10;
+  std::mt19937 random(1);
+  for (int k = 0; k < kills; ++k) {
+    const pid_t child = fork();
+    if (child == 0) {
+      static_cast<void>(std::freopen("/dev/null", "w", stderr));
+      ::setenv("PATH", (programs_folder() + ":" + std::getenv("PATH")).c_str(), 1);
+      ::execl(program.c_str(), "infuse", "config", "apply", to_apply.c_str(), "--target",
+              target.c_str(), "--socket", socket.c_str(), "--restart", restart.c_str(), "--wait",
+              "0.1", nullptr);
+      ::_exit(127);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(random() % 300));
+    kill(child, SIGKILL);
+    waitpid(child, nullptr, 0);
+    const std::string left = folder.read("infused.toml");
+    ASSERT_TRUE(left == kFirst || left == next) << left.substr(0, 200);
+    const ProgramResult settled =
+        run_shell_command(program + " config settle --target " + target + " 2>&1");
+    ASSERT_EQ(settled.code, 0) << settled.output;
+    ASSERT_EQ(folder.read("infused.toml"), kFirst);  // without sensors none is ever confirmed
+    ASSERT_FALSE(std::filesystem::exists(folder / "infused.toml.trying"));
+  }
+  kill(daemon.process(), SIGHUP);
+  EXPECT_THAT(daemon.wait_for(" first"), HasSubstr(" first\n"));
+  EXPECT_EQ(daemon.stop(), 0);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cerrno>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -16,6 +17,7 @@
 #include "tests/daemon/pipeline/run_replay.hpp"
 #include "tests/daemon/sensors/loopback.hpp"
 #include "tests/daemon/socket_client.hpp"
+#include "tests/faults/disk_fault.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -178,6 +180,27 @@ TEST_F(RecordingControllerTest, AnAlertIsRecordedWithTheDataBeforeIt) {
   const auto again = replay(record["folder"].get<std::string>());
   ASSERT_TRUE(again) << again.error().message();
   EXPECT_GE(parse_sweeps(again->lines()).size(), 8U);
+}
+
+TEST_F(RecordingControllerTest, ASpoolOnAFullDiskIsSaidAndTheRecordingStays) {
+  config_.record.flight_recorder = from_seconds(60);
+  config_.record.after_alert = from_seconds(0.1);
+  ::setenv("STATE_DIRECTORY", (folder_ / "").c_str(), 1);
+  std::filesystem::create_directory(folder_ / "spool");
+  const DiskFault fault(folder_ / "spool", ENOSPC);
+  run([](RecordingController&) {},
+      [begun = false, ticks = 0](RecordingController& controller) mutable {
+        begun = begun || controller.is_recording();
+        return begun && !controller.is_recording() && ++ticks > 1;
+      });
+  ::unsetenv("STATE_DIRECTORY");
+  const json record = last_record();
+  EXPECT_EQ(record["state"], "ended");
+  EXPECT_TRUE(std::filesystem::exists(record["folder"].get<std::string>() + "/drive.toml"));
+  EXPECT_THAT(lines_,
+              testing::Contains(testing::AllOf(testing::HasSubstr("\"class\":\"ALERT\""),
+                                               testing::HasSubstr("is not in the spool"),
+                                               testing::HasSubstr("No space left on device"))));
 }
 
 TEST_F(RecordingControllerTest, RefusesNamesThatLeaveTheFolder) {

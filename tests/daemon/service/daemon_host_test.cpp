@@ -100,8 +100,7 @@ TEST_F(DaemonHostTest, ThePipelineGetsTheConfiguration) {
   ASSERT_TRUE(host.open(rig_, socket()));
   const PipelineOptions options = host.pipeline_options();
   EXPECT_EQ(options.health.stale_after, from_seconds(7));
-  ASSERT_NE(options.street_map, nullptr);
-  EXPECT_TRUE(options.street_map->empty());
+  EXPECT_TRUE(options.maps.street_map.map.empty());
 }
 
 }  // namespace

@@ -177,6 +177,32 @@ TEST_F(StreetMapFileTest, OpensAGeneratedMap) {
   EXPECT_THAT(std::string(moved.map.provenance()), HasSubstr("map.osm"));
 }
 
+// A memory-mapped file would end the process.
+TEST_F(StreetMapFileTest, AFileThatIsCutOrOverwrittenLaterChangesNothing) {
+  const auto made = make(way(4711, {1, 10}, "highway=residential"));
+  ASSERT_TRUE(made);
+  const auto path = folder_ / "a.map";
+  ASSERT_TRUE(recording::write_file_atomically(path, made->bytes));
+  const auto opened = open_street_map_file(path);
+  ASSERT_TRUE(opened);
+  const auto count_streets = [&] {
+    int count = 0;
+    const streetmap::SegmentMap& map = opened->map;
+    for (int row = 0; row < map.rows(); ++row) {
+      for (int column = 0; column < map.columns(); ++column) {
+        count += map.id_of_cell(column, row) != 0 ? 1 : 0;
+      }
+    }
+    return count;
+  };
+  const int streets = count_streets();
+  EXPECT_GT(streets, 0);
+  ASSERT_TRUE(text::write_text(path, std::string(made->bytes.size(), 'x')));
+  EXPECT_EQ(count_streets(), streets);
+  std::filesystem::resize_file(path, 0);
+  EXPECT_EQ(count_streets(), streets);
+}
+
 TEST_F(StreetMapFileTest, DamagedFilesAreReported) {
   const auto made = make(way(4711, {1, 10}, "highway=residential"));
   ASSERT_TRUE(made);

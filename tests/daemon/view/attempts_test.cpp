@@ -108,7 +108,7 @@ std::string documented() {
 
 void expect_answers(const ViewSettings& settings, const std::vector<Attempt>& attempts) {
   ViewTap tap(0);
-  const auto server = ViewServer::start(settings, Rig{}, nullptr, tap, nullptr);
+  const auto server = ViewServer::start(settings, Rig{}, {}, tap, nullptr);
   ASSERT_TRUE(server) << server.error().message();
   const std::string page = settings.token.empty() ? "/" : std::string("/?token=") + settings.token;
   const std::string table = documented();

@@ -32,7 +32,7 @@ class ViewServerTest : public testing::Test {
   using Page = beast::websocket::stream<tcp::socket>;
 
   std::unique_ptr<ViewServer> start(ReplayControl control = nullptr) {
-    auto server = ViewServer::start(settings_, small_rig(), nullptr, tap_, std::move(control));
+    auto server = ViewServer::start(settings_, small_rig(), {}, tap_, std::move(control));
     EXPECT_TRUE(server) << server.error().message();
     return *std::move(server);
   }
@@ -325,7 +325,7 @@ TEST_F(ViewServerTest, ProfilesGoToThePagesThatAsk) {
 TEST_F(ViewServerTest, ATakenPortIsAnError) {
   const auto server = start();
   settings_.port = server->port();
-  const auto second = ViewServer::start(settings_, small_rig(), nullptr, tap_, nullptr);
+  const auto second = ViewServer::start(settings_, small_rig(), {}, tap_, nullptr);
   ASSERT_FALSE(second);
   EXPECT_NE(second.error().message().find(std::to_string(server->port())), std::string::npos);
 }

@@ -69,7 +69,7 @@ class ViewerTest : public testing::Test {
   void start(bool live = true) {
     channels_ = std::make_unique<ViewerChannels>(setup(live));
     Rig rig;
-    auto server = ViewServer::start(settings_, rig, nullptr, tap_, nullptr, channels_.get());
+    auto server = ViewServer::start(settings_, rig, {}, tap_, nullptr, channels_.get());
     ASSERT_TRUE(server) << server.error().message();
     server_ = *std::move(server);
   }

@@ -1,0 +1,74 @@
+#include "daemon/service/map_watch.hpp"
+
+#include <pthread.h>
+#include <sched.h>
+#include <spdlog/spdlog.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "daemon/process/crash_note.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+constexpr std::chrono::seconds kMinRetry{5}, kMaxRetry{300};
+
+}  // namespace
+
+MapWatch::MapWatch(std::string name, std::filesystem::path file, std::string digest,
+                   Replace replace)
+    : file_(std::move(file)),
+      in_use_{std::move(name), std::move(digest), ""},
+      replace_(std::move(replace)),
+      looked_at_(mark()),
+      seen_(looked_at_) {}
+
+MapWatch::Mark MapWatch::mark() const {
+  struct stat about {};
+  if (::stat(file_.c_str(), &about) != 0) return {};
+  constexpr int64_t kNanosecondsPerSecond = 1'000'000'000;
+  return {about.st_dev, about.st_ino, about.st_size,
+          about.st_ctim.tv_sec * kNanosecondsPerSecond + about.st_ctim.tv_nsec};
+}
+
+void MapWatch::poll(Clock::time_point now) {
+  if (looking_.valid()) {
+    if (looking_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+    return settle(now);
+  }
+  const Mark before = std::exchange(seen_, mark());
+  const bool changed = seen_ != looked_at_ && seen_ == before;
+  if (!changed && now < due_) return;
+  if (changed) pause_ = std::chrono::seconds(0);
+  looked_at_ = seen_;
+  due_ = Clock::time_point::max();
+  looking_ = std::async(std::launch::async, [this] {
+    ::pthread_setname_np(::pthread_self(), "maps");
+    use_crash_stack();
+    const sched_param none{};
+    ::pthread_setschedparam(::pthread_self(), SCHED_IDLE, &none);
+    return replace_(stop_.get_token());
+  });
+}
+
+void MapWatch::settle(Clock::time_point now) {
+  const auto found = looking_.get();
+  if (!found) {
+    if (in_use_.problem != found.error().message()) {
+      spdlog::warn("{} {} stays in use; what lies in its place is not: {}", in_use_.name,
+                   in_use_.digest, found.error().message());
+    }
+    in_use_.problem = found.error().message();
+    pause_ = std::clamp(2 * pause_, kMinRetry, kMaxRetry);
+    due_ = now + pause_;
+    return;
+  }
+  in_use_.problem.clear();
+  pause_ = std::chrono::seconds(0);
+  const std::string before = std::exchange(in_use_.digest, *found);
+  if (before != *found) spdlog::info("{} {} takes the place of {}", in_use_.name, *found, before);
+}
+
+}  // namespace infuse::daemon

@@ -1,0 +1,91 @@
+#include "daemon/service/map_watch.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <thread>
+
+#include "tests/scratch_folder.hpp"
+
+namespace infuse::daemon {
+namespace {
+
+/// A map whose text is its digest; "damaged" cannot be used.
+class MapWatchTest : public testing::Test {
+ protected:
+  MapWatchTest()
+      : watch_("map", map_in(folder_), "one",
+               [this](const std::stop_token&) { return replace(); }) {}
+
+  static std::filesystem::path map_in(const ScratchFolder& folder) {
+    folder.write("m", "one");
+    return folder / "m";
+  }
+
+  Result<std::string> replace() {
+    ++looks_;
+    std::string text = folder_.read("m");
+    if (text == "damaged" || text.empty()) return fail("is damaged", "m");
+    return text;
+  }
+
+  /// Seconds of the watch, each with the result of the one before.
+  void run(int seconds) {
+    for (int k = 0; k < seconds; ++k) {
+      now_ += std::chrono::seconds(1);
+      const int before = looks_;
+      watch_.poll(now_);
+      for (int wait = 0; wait < 200 && looks_ == before; ++wait) {
+        std::this_thread::sleep_for(std::chrono::microseconds(100));
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(looks_ == before ? 0 : 2));
+    }
+  }
+
+  const ScratchFolder folder_;
+  std::atomic<int> looks_ = 0;
+  MapWatch::Clock::time_point now_;
+  MapWatch watch_;
+};
+
+TEST_F(MapWatchTest, WhatDoesNotChangeIsNotRead) {
+  run(5);
+  EXPECT_EQ(looks_, 0);
+  EXPECT_EQ(watch_.in_use().digest, "one");
+}
+
+TEST_F(MapWatchTest, AnotherMapIsTakenOverOnce) {
+  folder_.write("m", "second");
+  run(5);
+  EXPECT_EQ(looks_, 1);
+  EXPECT_EQ(watch_.in_use().digest, "second");
+  EXPECT_EQ(watch_.in_use().problem, "");
+}
+
+TEST_F(MapWatchTest, ADamagedMapIsRefusedAndTriedAgainEverMoreRarely) {
+  folder_.write("m", "damaged");
+  run(60);
+  EXPECT_EQ(watch_.in_use().digest, "one");
+  EXPECT_EQ(watch_.in_use().problem, "m: is damaged");
+  // At the change, and 5, 10 and 20 s after that, with a second to see each result.
+  EXPECT_GE(looks_, 4);
+  EXPECT_LE(looks_, 5);
+  const int looks = looks_;
+  watch_.try_again();
+  run(2);
+  EXPECT_EQ(looks_, looks + 1);
+  folder_.write("m", "three");
+  run(4);
+  EXPECT_EQ(watch_.in_use().digest, "three");
+  EXPECT_EQ(watch_.in_use().problem, "");
+}
+
+TEST_F(MapWatchTest, AMapThatIsGoneStaysInUse) {
+  std::filesystem::remove(folder_ / "m");
+  run(4);
+  EXPECT_EQ(watch_.in_use().digest, "one");
+  EXPECT_NE(watch_.in_use().problem, "");
+}
+
+}  // namespace
+}  // namespace infuse::daemon
