@@ -239,7 +239,8 @@ void FusionThread::localise(const SweepSnapshot& snapshot) {
   if (!street_map_tracker_) return;
   const auto track = [&] {
     const ScopedLatency timer(latency(Stage::kTrack));
-    return street_map_tracker_->process(snapshot, odometry_.trajectory(), odometry);
+    return street_map_tracker_->process(snapshot, odometry_.trajectory(),
+                                        odometry_.predicted_pose(), odometry);
   };
   report(track());
 }
