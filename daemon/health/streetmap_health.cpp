@@ -12,6 +12,17 @@ std::string place_text(const StreetMapStatus& status) {
   return fmt::format(" near {:.0f} m east, {:.0f} m north of the map origin", status.x, status.y);
 }
 
+// Places that look alike: "; it is at one of 2 places: 60, 40 %".
+std::string places_text(const StreetMapStatus& status) {
+  const auto places = status.places.all();
+  if (places.size() < 2) return "";
+  std::string text = fmt::format("; it is at one of {} places:", places.size());
+  for (const streetmap::PossiblePlace& place : places) {
+    text += fmt::format("{} {:.0f}", &place == &places.front() ? "" : ",", 100 * place.probability);
+  }
+  return text + " %";
+}
+
 constexpr Alert<StreetMapStatus> kStreetMapAlerts[] = {
     {{"lost", Level::kError, Delays::kBoth,
       "The position on the street map is lost. Drive on, with turns; or set an initial pose, or "
@@ -21,7 +32,8 @@ constexpr Alert<StreetMapStatus> kStreetMapAlerts[] = {
        const std::string drive_on =
            status.hypotheses > 0 ? "drive on: all streets are searched, and turns decide; or " : "";
        return Problem{
-           fmt::format("position on the street map lost{}: {}", place_text(status), status.reason),
+           fmt::format("position on the street map lost{}: {}{}", place_text(status), status.reason,
+                       places_text(status)),
            drive_on +
                "set an initial pose in [streetmap], or connect a GNSS receiver; if one is "
                "connected, check its antenna, and whether the map is that of this place"};

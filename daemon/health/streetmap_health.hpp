@@ -21,8 +21,9 @@ struct StreetMapStatus {
   double y = 0;                   ///< m
   double sigma = 0;      ///< m, standard deviation of the position along the worst direction
   double elsewhere = 1;  ///< probability that the true place is another one that was checked
-  double p_value = 1;    ///< probability of a match as good by chance
-  double entropy = 1;    ///< normalised entropy of the particle weights, 0 … 1
+  streetmap::PossiblePlaces places;  ///< where the vehicle may be; none while TRACKING
+  double p_value = 1;                ///< probability of a match as good by chance
+  double entropy = 1;                ///< normalised entropy of the particle weights, 0 … 1
   /// GNSS fixes minus the pose on the map, m east and north; nothing without fixes.
   std::optional<Eigen::Vector2d> gnss_offset{};
   double gnss_offset_sigma = 0;  ///< m

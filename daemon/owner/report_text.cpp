@@ -64,6 +64,18 @@ std::string stores_text(const Json& host) {
 }
 
 /// State of the tracker and why it is not TRACKING; empty but for a pose on the street map.
+/// Places of the street map that look alike: ", at one of 2 places: 60, 40 %".
+std::string alike_text(const Json& map) {
+  const Json places = map.value("places", Json::array());
+  if (places.empty()) return "";
+  std::string text;
+  for (const Json& place : places) {
+    text +=
+        fmt::format("{} {:.0f}", text.empty() ? "" : ",", 100 * place.value("probability", 0.0));
+  }
+  return fmt::format(", at one of {} places:{} %", places.size(), text);
+}
+
 std::string state_text(const Json& pose) {
   const std::string state = text_of(pose, "state"), doubt = text_of(pose, "doubt");
   if (state.empty()) return {};
@@ -150,8 +162,8 @@ std::string health_text(const Json& health) {
                                  : "";
     const auto places = map.value("hypotheses", uint64_t{0});
     const std::string search = places > 0 ? fmt::format(", searching: {} places", places) : "";
-    lines += fmt::format("  {:<5} street map: {}{}{}{}{}\n", text_of(map, "level"), state, sigma,
-                         gnss, search, reason.empty() ? "" : ": " + reason);
+    lines += fmt::format("  {:<5} street map: {}{}{}{}{}{}\n", text_of(map, "level"), state, sigma,
+                         gnss, search, alike_text(map), reason.empty() ? "" : ": " + reason);
     lines += findings_text(map);
   }
   if (health.contains("map")) {

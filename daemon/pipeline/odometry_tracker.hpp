@@ -49,6 +49,9 @@ class OdometryTracker {
   /// Poses of the vehicle in the frame `odom`.
   const geometry::Trajectory& trajectory() const { return filter_.trajectory(); }
 
+  /// Where the vehicle is at the time of the last sample or mark, though no source measures it.
+  geometry::PoseAt predicted_pose() const { return filter_.predicted_pose(); }
+
   /// Returns the pose at `stamp` in the frame `odom`.
   PoseReport pose_at(Stamp stamp) const;
 

@@ -5,7 +5,6 @@
 #include <optional>
 #include <utility>
 
-#include "daemon/pipeline/street_map_motion.hpp"
 #include "daemon/pipeline/unknown_pose.hpp"
 #include "drivers/gnss/local_frame.hpp"
 #include "fusion/geometry/plane_length.hpp"
@@ -55,7 +54,7 @@ StreetMapTracker::StreetMapTracker(const StreetMapSettings& settings, StreetMapF
 }
 
 void StreetMapTracker::go_on_from(const StreetMapTracker& before) {
-  now_ = before.now_;
+  motion_ = before.motion_;
   next_update_ = before.next_update_;
   tracker_ = std::make_unique<streetmap::Tracker>(map_.map, settings_.tracker);
   const streetmap::TrackerEstimate estimate = before.tracker_->estimate();
@@ -72,27 +71,24 @@ void StreetMapTracker::add_gnss(const GnssFix& fix) {
 // which particles reach, the track starts.
 void StreetMapTracker::use_fixes(const geometry::Trajectory& trajectory) {
   if (!fixes_) return;
-  const auto initial = tracker_->started() ? std::nullopt : fixes_->initial_pose(now_, trajectory);
+  const auto initial =
+      tracker_->started() ? std::nullopt : fixes_->initial_pose(motion_.now(), trajectory);
   if (initial) {
     const streetmap::GnssOptions& gnss = settings_.tracker.gnss;
     tracker_->start(initial->pose, diagonal(geometry::plane_length(gnss.map_sigma,
                                                                    gnss.slow_sigma * initial->hdop),
                                             kCourseSigma));
   }
-  while (const auto fix = fixes_->take(now_, tracker_->estimate().pose.yaw, trajectory)) {
+  while (const auto fix = fixes_->take(motion_.now(), tracker_->estimate().pose.yaw, trajectory)) {
     tracker_->add_fix(*fix);
   }
 }
 
-void StreetMapTracker::predict_to(Stamp stamp, const geometry::Trajectory& trajectory) {
-  if (now_ != Stamp::earliest() && stamp > now_) predict(*tracker_, trajectory, now_, stamp);
-  now_ = stamp;
-}
-
 PoseReport StreetMapTracker::process(const SweepSnapshot& snapshot,
                                      const geometry::Trajectory& trajectory,
+                                     const geometry::PoseAt& predicted,
                                      const PoseReport& odometry) {
-  predict_to(snapshot.deskewed.reference, trajectory);
+  motion_.predict(*tracker_, trajectory, predicted, snapshot.deskewed.reference);
   use_fixes(trajectory);
   if (snapshot.deskewed.usable()) {
     tracker_->add_sweep(view(snapshot), nullptr);
@@ -102,14 +98,14 @@ PoseReport StreetMapTracker::process(const SweepSnapshot& snapshot,
 }
 
 void StreetMapTracker::update_if_due() {
-  if (now_ < next_update_ && next_update_ - now_ < kMaxUpdateWait) return;
+  if (motion_.now() < next_update_ && next_update_ - motion_.now() < kMaxUpdateWait) return;
   tracker_->update();
   ++updates_;
-  next_update_ = now_ + from_seconds(1 / settings_.update_hz);
+  next_update_ = motion_.now() + from_seconds(1 / settings_.update_hz);
 }
 
 void StreetMapTracker::add_image(const ImageMatch& match, const geometry::Trajectory& trajectory) {
-  const geometry::MotionBetween back = trajectory.between(now_, match.image.stamp);
+  const geometry::MotionBetween back = trajectory.between(motion_.now(), match.image.stamp);
   if (!match.snapshot.deskewed.usable() || !back.usable()) return;
   if (!streetmap::extract_features(match.image.frame, kImageStep, features_)) return;
   const streetmap::ImageView image{features_, cameras_[match.image.camera], match.T_camera_lidar};
@@ -161,6 +157,7 @@ StreetMapStatus StreetMapTracker::status() const {
     status.sigma = streetmap::PoseMoments{estimate.pose, estimate.covariance}.spread();
   }
   status.elsewhere = estimate.elsewhere;
+  status.places = tracker_->possible_places();
   status.gnss_offset = estimate.gnss_offset;
   status.gnss_offset_sigma = estimate.gnss_offset_sigma;
   status.p_value = estimate.p_value;

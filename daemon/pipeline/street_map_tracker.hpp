@@ -8,6 +8,7 @@
 #include "daemon/health/streetmap_health.hpp"
 #include "daemon/pipeline/image_match.hpp"
 #include "daemon/pipeline/street_map_fixes.hpp"
+#include "daemon/pipeline/street_map_motion.hpp"
 #include "daemon/pipeline/view_tap.hpp"
 #include "daemon/protocol/reports.hpp"
 #include "daemon/streetmap/street_map_file.hpp"
@@ -40,10 +41,10 @@ class StreetMapTracker {
   void add_gnss(const GnssFix& fix);
 
   /// Moves the particles to the time of the snapshot, adds its returns and, when due, weights the
-  /// particles. Returns the pose on the map as of the snapshot; stamp, speed and yaw rate are those
-  /// of `odometry`.
+  /// particles. `predicted`: where the odometry has the vehicle now, measured or not. Returns the
+  /// pose on the map as of the snapshot; stamp, speed and yaw rate are those of `odometry`.
   PoseReport process(const SweepSnapshot& snapshot, const geometry::Trajectory& trajectory,
-                     const PoseReport& odometry);
+                     const geometry::PoseAt& predicted, const PoseReport& odometry);
 
   /// Adds an image and the sweep as of its exposure. Ignored where the trajectory does not connect
   /// the exposure with the time of the last snapshot.
@@ -63,7 +64,6 @@ class StreetMapTracker {
 
  private:
   void use_fixes(const geometry::Trajectory& trajectory);
-  void predict_to(Stamp stamp, const geometry::Trajectory& trajectory);
   void update_if_due();
   streetmap::DeskewedView view(const SweepSnapshot& snapshot) const;
 
@@ -74,7 +74,7 @@ class StreetMapTracker {
   std::optional<StreetMapFixes> fixes_;          // nothing: the map has no latitude and longitude
   std::unique_ptr<streetmap::Tracker> tracker_;  // reads map_
   streetmap::ImageFeatures features_;
-  Stamp now_ = Stamp::earliest();  // of the particles
+  StreetMapMotion motion_;  // of the particles
   Stamp next_update_ = Stamp::earliest();
   uint64_t updates_ = 0;
 };

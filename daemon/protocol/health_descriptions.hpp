@@ -85,6 +85,15 @@ void describe(Visitor& v, const TaskHealth<OdometryStatus>& odometry) {
 }
 
 template <class Visitor>
+void describe(Visitor& v, const streetmap::PossiblePlace& place) {
+  v.field("x", rounded(place.pose.x), "m, map frame");
+  v.field("y", rounded(place.pose.y), "m, map frame");
+  v.field("yaw", rounded(place.pose.yaw), "rad, counter-clockwise from the map's x axis");
+  v.field("covariance", place.covariance, "by row; x, y (m), yaw (rad)");
+  v.field("probability", fraction(rounded(place.probability)));
+}
+
+template <class Visitor>
 void describe(Visitor& v, const TaskHealth<StreetMapStatus>& streetmap) {
   const StreetMapStatus& status = streetmap.status;
   v.field("level", streetmap.level);
@@ -100,6 +109,9 @@ void describe(Visitor& v, const TaskHealth<StreetMapStatus>& streetmap) {
   v.field("elsewhere", fraction(rounded(status.elsewhere)),
           "Probability that the true place is another one that was checked.",
           gauge("infuse_streetmap_elsewhere_probability"));
+  const std::span<const streetmap::PossiblePlace> places = status.places.all();
+  v.field("places", when(places.size() > 1, places),
+          "the places that look alike, of 5 % or more, at most four; absent where there is one");
   const bool fixes = status.gnss_offset.has_value();
   const Eigen::Vector2d offset = status.gnss_offset.value_or(Eigen::Vector2d::Zero());
   v.field("gnss_offset_east", when(fixes, rounded(offset.x())),

@@ -21,6 +21,18 @@ Matrix6 positive_part(const Matrix6& symmetric) {
 
 }  // namespace
 
+MotionBetween motion_between(const PoseAt& from, const PoseAt& to, bool backwards) {
+  MotionBetween motion;
+  const Eigen::Isometry3d T_from_odom = from.T_odom_vehicle.inverse();
+  motion.T_from_to = T_from_odom * to.T_odom_vehicle;
+  const double sign = backwards ? -1 : 1;
+  const Matrix6 steps = sign * (to.steps - from.steps);
+  const Matrix6 growth = sign * (to.covariance - from.covariance);
+  motion.covariance = transform_covariance(T_from_odom, steps) +
+                      positive_part(transform_covariance(T_from_odom, growth - steps));
+  return motion;
+}
+
 std::optional<std::string> TrajectoryOptions::invalid() const {
   if (capacity < 2) return "capacity must be at least 2 poses";
   if (max_gap <= Duration::zero()) return "max_gap must be positive";
@@ -106,14 +118,7 @@ MotionBetween Trajectory::between(Stamp from, Stamp to) const {
                   : !b.usable() ? b.reason
                                 : uncovered_reason(std::min(from, to), std::max(from, to));
   if (!motion.usable()) return motion;
-  const Eigen::Isometry3d T_from_odom = a.T_odom_vehicle.inverse();
-  motion.T_from_to = T_from_odom * b.T_odom_vehicle;
-  const double sign = from <= to ? 1 : -1;
-  const Matrix6 steps = sign * (b.steps - a.steps);
-  const Matrix6 growth = sign * (b.covariance - a.covariance);
-  motion.covariance = transform_covariance(T_from_odom, steps) +
-                      positive_part(transform_covariance(T_from_odom, growth - steps));
-  return motion;
+  return motion_between(a, b, to < from);
 }
 
 const char* Trajectory::uncovered_reason(Stamp from, Stamp to) const {

@@ -52,6 +52,11 @@ struct MotionBetween {
   bool usable() const { return *reason == '\0'; }  ///< it may be used
 };
 
+/// The motion between two poses of one odometry frame. Its covariance is the growth between the
+/// two, without the errors common to both, and at least that of the steps. `to` may be the earlier
+/// one: `backwards`.
+MotionBetween motion_between(const PoseAt& from, const PoseAt& to, bool backwards = false);
+
 /// Bounded, time-ordered sequence of stamped poses `T_odom_vehicle` in the odometry frame. Between
 /// two poses the vehicle moves at constant twist and the covariance is interpolated linearly.
 class Trajectory {

@@ -150,6 +150,7 @@ void OdometryFilter::reset_clock() {
   speed_agreement_.reset();
   last_wheels_.reset();
   jumped_wheels_.reset();
+  rest_refuted_ = false;
   last_gnss_speed_stamp_ = Stamp::earliest();
   at_rest_since_ = Stamp::latest();
 }
@@ -225,7 +226,8 @@ void OdometryFilter::update_wheel_speeds(const WheelOdometry& sample) {
   const auto turns = [&](double v) { return std::abs(v) > options_.standstill_speed; };
   const bool at_rest = std::none_of(sample.wheel_speed.begin(), sample.wheel_speed.end(), turns) &&
                        !turns(sample.speed);
-  if (!checked && have_jumped(sample, at_rest)) {
+  rest_refuted_ = rest_refuted_ && at_rest;
+  if (rest_refuted_ || (!checked && have_jumped(sample, at_rest))) {
     at_rest_since_ = Stamp::latest();
     return record(source, false);
   }
@@ -456,10 +458,17 @@ void OdometryFilter::record(OdometrySource source, bool accepted,
   sources_.add(source, accepted, now_);
   if (accepted) return;
   ++outliers_;
-  if (reset_covariance != nullptr && last != Stamp::earliest() &&
-      now_ - last > options_.max_silence) {
-    (state_.*reset_covariance)();
+  if (reset_covariance == nullptr || last == Stamp::earliest() ||
+      now_ - last <= options_.max_silence) {
+    return;
   }
+  (state_.*reset_covariance)();
+  // A vehicle that turns does not stand. How it moves, wheels at rest do not say.
+  if (reset_covariance != &OdometryState::reset_rotation_covariance) return;
+  if (at_rest_since_ == Stamp::latest()) return;
+  rest_refuted_ = true;
+  state_.reset_speed_covariance();
+  at_rest_since_ = Stamp::latest();
 }
 
 void OdometryFilter::detect_standstill(bool at_rest) {

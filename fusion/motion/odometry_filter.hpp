@@ -72,6 +72,10 @@ class OdometryFilter {
   /// Poses so far.
   const geometry::Trajectory& trajectory() const { return trajectory_.poses(); }
 
+  /// Where the vehicle is now; while the filter is unusable, by the motion before and what is still
+  /// measured, with a covariance that grows by what a vehicle can do unseen.
+  geometry::PoseAt predicted_pose() const { return trajectory_.pose(state_); }
+
   /// Returns why the filter is unusable now, as static text; empty if it is usable.
   const char* reason() const;
   bool usable() const { return *reason() == '\0'; }  ///< there is no reason against it
@@ -146,6 +150,7 @@ class OdometryFilter {
   std::optional<WheelOdometry> last_wheels_;    // accepted
   std::optional<WheelOdometry> jumped_wheels_;  // the last, while wheels that jumped are out
   Stamp jumped_since_ = Stamp::latest();
+  bool rest_refuted_ = false;  // wheels rest, and the vehicle turns
   uint64_t late_ = 0, outliers_ = 0, invalid_samples_ = 0;
 };
 

@@ -19,6 +19,11 @@ class OdometryTrajectory {
   /// Appends the pose of `state` at `now` if the last pose is at least `interval` older.
   void extend(const OdometryState& state, Stamp now, Duration interval);
 
+  /// The pose of `state`, as `extend` would append it.
+  geometry::PoseAt pose(const OdometryState& state) const {
+    return {state.T_odom_vehicle(), state.pose_covariance(), steps_};
+  }
+
   /// Applies what a relative pose changed in `state`, which is as of `now`: poses since then move
   /// by the change, in proportion to time. Poses are added where the trajectory begins only now
   /// that the motion is known.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "fusion/geometry/plane_length.hpp"
@@ -23,6 +24,7 @@ constexpr double kStandingSpeed = 0.1;   // m/s
 constexpr double kNoStreet = 0.2;        // mean misfit above which no street explains the drive
 constexpr double kMinDriven = 200;       // m, before that is judged
 constexpr double kSameYaw = 0.5;         // rad, of hypotheses that are one place
+constexpr double kMinPossible = 0.05;    // probability of a place that is reported
 constexpr double kMinTurn = 0.1;         // rad between two merges, which is not noise
 
 using Vector5 = Eigen::Matrix<double, 5, 1>;
@@ -77,6 +79,12 @@ std::optional<std::string> GlobalStartOptions::invalid() const {
     return "global_start: turn_worth and max_witnessed must be between 0 and 1000";
   }
   return std::nullopt;
+}
+
+bool PossiblePlaces::add(const PossiblePlace& place) {
+  if (count_ == kMaxCount) return false;
+  places_[count_++] = place;
+  return true;
 }
 
 bool is_same_place(const PlanarPose& a, const PlanarPose& b, double distance) {
@@ -142,7 +150,7 @@ GlobalStart::GlobalStart(const SegmentMap& map, const GlobalStartOptions& option
   bins_.reserve(static_cast<size_t>(options.max_hypotheses));
 }
 
-void GlobalStart::restart(const std::optional<PlanarPose>& believed) {
+void GlobalStart::restart(const std::optional<BelievedPlace>& believed) {
   collected_ = compared_ = {};
   since_merge_ = driven_ = 0;
   count_alone(false);
@@ -151,14 +159,33 @@ void GlobalStart::restart(const std::optional<PlanarPose>& believed) {
     spread(spacing);
     if (hypotheses_.size() < capacity) break;
   }
-  for (StreetHypothesis& hypothesis : hypotheses_) {
-    const PlanarPose& pose = hypothesis.pose;
-    const bool near =
-        believed && geometry::plane_length(pose.x - believed->x, pose.y - believed->y) <
-                        options_.believed_radius;
-    if (near) hypothesis.log_weight = options_.believed_log_odds;
-  }
   next_ = hypotheses_.size();
+  if (!believed) return;
+  if (believed->confirmed) return weigh_region(*believed);
+  for (StreetHypothesis& hypothesis : hypotheses_) {
+    const double distance = geometry::plane_length(hypothesis.pose.x - believed->pose.x,
+                                                   hypothesis.pose.y - believed->pose.y);
+    if (distance < options_.believed_radius) hypothesis.log_weight = options_.believed_log_odds;
+  }
+}
+
+// The mixture of the region's normal distribution and of all streets alike.
+void GlobalStart::weigh_region(const BelievedPlace& believed) {
+  double sum = 0;
+  for (StreetHypothesis& hypothesis : hypotheses_) {
+    const Eigen::Vector3d d(hypothesis.pose.x - believed.pose.x,
+                            hypothesis.pose.y - believed.pose.y,
+                            wrap_angle(hypothesis.pose.yaw - believed.pose.yaw));
+    const Eigen::Matrix3d C = believed.covariance + hypothesis.covariance.topLeftCorner<3, 3>();
+    hypothesis.log_weight = -d.dot(C.inverse() * d) / 2;
+    sum += std::exp(hypothesis.log_weight);
+  }
+  const double elsewhere = options_.max_elsewhere / (1 - options_.max_elsewhere) *
+                           std::max(sum, std::numeric_limits<double>::min()) /
+                           static_cast<double>(std::max<size_t>(hypotheses_.size(), 1));
+  for (StreetHypothesis& hypothesis : hypotheses_) {
+    hypothesis.log_weight = log_add(hypothesis.log_weight, std::log(elsewhere));
+  }
 }
 
 // Stops when `max_hypotheses` are reached.
@@ -284,38 +311,73 @@ double GlobalStart::mean_misfit(const StreetHypothesis& hypothesis) const {
   return hypothesis.misfit * options_.independent_length / std::max(driven_, 1.0);
 }
 
-std::optional<FoundPlace> GlobalStart::find() const {
-  if (hypotheses_.empty()) return std::nullopt;
-  const auto best =
-      std::max_element(hypotheses_.begin(), hypotheses_.end(),
-                       [](const auto& a, const auto& b) { return a.log_weight < b.log_weight; });
-  const PlanarPose middle = now(static_cast<size_t>(best - hypotheses_.begin()));
-  double here = 0, others = 0;
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();  // difference from the best
+// The hypotheses at the place of one, but for those at `others`.
+GlobalStart::Cluster GlobalStart::cluster_about(size_t middle_index,
+                                                std::span<const PossiblePlace> others) const {
+  const double reference = hypotheses_[middle_index].log_weight;
+  const PlanarPose middle = now(middle_index);
+  Cluster cluster;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();  // difference from the middle
   Eigen::Matrix3d square = Eigen::Matrix3d::Zero();
   for (size_t i = 0; i < hypotheses_.size(); ++i) {
-    const double weight = std::exp(hypotheses_[i].log_weight - best->log_weight);
+    const double weight = std::exp(hypotheses_[i].log_weight - reference);
     const PlanarPose pose = now(i);
-    const Eigen::Vector3d d(pose.x - middle.x, pose.y - middle.y,
-                            wrap_angle(pose.yaw - middle.yaw));
-    if (!is_same_place(pose, middle, options_.same_place)) {
-      others += weight;
+    if (!is_same_place(pose, middle, options_.same_place) || is_among(others, pose)) {
+      cluster.elsewhere += weight;
       continue;
     }
-    here += weight;
+    const Eigen::Vector3d d(pose.x - middle.x, pose.y - middle.y,
+                            wrap_angle(pose.yaw - middle.yaw));
+    cluster.here += weight;
     mean += weight * d;
     square += weight * (d * d.transpose() + hypotheses_[i].covariance.topLeftCorner<3, 3>());
   }
-  mean /= here;
-  FoundPlace found;
-  found.misfit = mean_misfit(*best);
-  found.pose = {middle.x + mean[0], middle.y + mean[1], wrap_angle(middle.yaw + mean[2])};
-  found.covariance = square / here - mean * mean.transpose();
+  mean /= cluster.here;
+  cluster.pose = {middle.x + mean[0], middle.y + mean[1], wrap_angle(middle.yaw + mean[2])};
+  cluster.covariance = square / cluster.here - mean * mean.transpose();
   const double edge = options_.street_sigma * options_.street_sigma;
-  found.covariance.topLeftCorner<2, 2>() += edge * Eigen::Matrix2d::Identity();
-  found.elsewhere = others / (here + others);
+  cluster.covariance.topLeftCorner<2, 2>() += edge * Eigen::Matrix2d::Identity();
+  return cluster;
+}
+
+bool GlobalStart::is_among(std::span<const PossiblePlace> places, const PlanarPose& pose) const {
+  return std::ranges::any_of(places, [&](const PossiblePlace& place) {
+    return is_same_place(place.pose, pose, options_.same_place);
+  });
+}
+
+// The likeliest hypothesis that is not at `others`.
+std::optional<size_t> GlobalStart::likeliest(std::span<const PossiblePlace> others) const {
+  std::optional<size_t> best;
+  for (size_t i = 0; i < hypotheses_.size(); ++i) {
+    if (best && hypotheses_[i].log_weight <= hypotheses_[*best].log_weight) continue;
+    if (!is_among(others, now(i))) best = i;
+  }
+  return best;
+}
+
+std::optional<FoundPlace> GlobalStart::find() const {
+  const auto best = likeliest({});
+  if (!best) return std::nullopt;
+  const Cluster cluster = cluster_about(*best, {});
+  FoundPlace found;
+  found.pose = cluster.pose;
+  found.covariance = cluster.covariance;
+  found.misfit = mean_misfit(hypotheses_[*best]);
+  found.elsewhere = cluster.elsewhere / (cluster.here + cluster.elsewhere);
   found.alone = alone_;
   return found;
+}
+
+PossiblePlaces GlobalStart::possible_places() const {
+  PossiblePlaces places;
+  while (const auto next = likeliest(places.all())) {
+    const Cluster cluster = cluster_about(*next, places.all());
+    const double probability = cluster.here / (cluster.here + cluster.elsewhere);
+    if (probability < kMinPossible) break;
+    if (!places.add({cluster.pose, cluster.covariance, probability})) break;
+  }
+  return places;
 }
 
 // Half of the squared distance of a pose from a hypothesis that is at `at`, in units of its

@@ -4,6 +4,7 @@
 #include <array>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,34 @@ struct GlobalStartOptions {
 
 /// True if two poses are one place: within `distance` (m) and with headings within 0.5 rad.
 bool is_same_place(const PlanarPose& a, const PlanarPose& b, double distance);
+
+/// Where the vehicle is believed to be when a search begins.
+struct BelievedPlace {
+  PlanarPose pose;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< x, y (m, map frame), yaw (rad)
+  bool confirmed = false;  ///< the drive went on from a place that was sure
+};
+
+/// One of the places where the vehicle may be.
+struct PossiblePlace {
+  PlanarPose pose;                                       ///< map frame
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< x, y (m, map frame), yaw (rad)
+  double probability = 0;
+};
+
+/// Places that look alike, the likeliest first; what their probabilities lack is elsewhere.
+class PossiblePlaces {
+ public:
+  static constexpr size_t kMaxCount = 4;
+
+  /// False, and nothing changes, if there are as many already.
+  bool add(const PossiblePlace& place);
+  std::span<const PossiblePlace> all() const { return {places_.data(), count_}; }
+
+ private:
+  std::array<PossiblePlace, kMaxCount> places_{};
+  size_t count_ = 0;
+};
 
 /// Pose that explains the drive, with what else it could have been.
 struct FoundPlace {
@@ -94,8 +123,10 @@ class GlobalStart {
   /// False if the map is too large, or has no street: there is nothing to search.
   bool possible() const { return !grid_.empty(); }
 
-  /// Begins anew on all streets. `believed`: where the vehicle is probably near.
-  void restart(const std::optional<PlanarPose>& believed = {});
+  /// Begins anew on all streets. Where it was confirmed, the probability is that of the believed
+  /// region, and `max_elsewhere` of all other streets together; else streets near the place are
+  /// likelier.
+  void restart(const std::optional<BelievedPlace>& believed = {});
 
   /// Moves by odometry, as `predict`.
   void move(const PlanarPose& motion, const Eigen::Matrix3d& covariance, double seconds);
@@ -116,6 +147,9 @@ class GlobalStart {
   std::optional<StreetHypothesis> better_near(const PlanarPose& pose, double radius,
                                               double log_odds, double max_misfit) const;
 
+  /// The places that hypotheses are left at, each of 5 % or more.
+  PossiblePlaces possible_places() const;
+
   int hypotheses() const { return static_cast<int>(hypotheses_.size()); }
   double driven() const { return driven_; }  ///< m since the restart
 
@@ -126,6 +160,16 @@ class GlobalStart {
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
     double seconds = 0, length = 0;
   };
+  /// The hypotheses of one place.
+  struct Cluster {
+    PlanarPose pose;
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+    double here = 0, elsewhere = 0;  // sums of weights
+  };
+  Cluster cluster_about(size_t middle_index, std::span<const PossiblePlace> others) const;
+  bool is_among(std::span<const PossiblePlace> places, const PlanarPose& pose) const;
+  std::optional<size_t> likeliest(std::span<const PossiblePlace> others) const;
+  void weigh_region(const BelievedPlace& believed);
   void spread(double spacing);
   void begin_comparison();
   void go_on_comparing();

@@ -13,7 +13,6 @@ namespace {
 
 constexpr size_t kMinSamples = 100;
 constexpr double kViewYawSigma = 0.03;  // rad, heading accuracy of one view
-constexpr double kMaxSpread = 20;       // m, of particles that all lie in the window
 constexpr double kMinJump = 3;          // m of the estimate in one update: another place
 constexpr double kMaxReplaced = 0.2;    // weight of a second mode that one of those replaces
 
@@ -94,7 +93,7 @@ void Tracker::start(const PlanarPose& pose, const Eigen::Matrix3d& covariance) {
   place_check_.start(pose, map_);
   gnss_.restart(false);
   started_ = true;
-  was_confirmed_ = false;
+  was_confirmed_ = region_searched_ = false;
   state_ = TrackState::kUnsure;
   reason_ = "too few updates since the start";
   updates_since_start_ = 0;
@@ -110,6 +109,10 @@ void Tracker::predict(const PlanarPose& motion, const Eigen::Matrix3d& covarianc
   if (!started_) return;
   particles_.predict(motion, covariance, to_seconds(step));
   global_search_.move(motion);
+  if (state_ == TrackState::kTracking && !particles_agree(particles_.moments())) {
+    state_ = TrackState::kUnsure;
+    reason_ = kDisagreement;
+  }
 }
 
 void Tracker::add_sweep(const DeskewedView& deskewed, const ImageView* image,
@@ -125,6 +128,7 @@ void Tracker::update() {
 void Tracker::update(const GridSamples& samples) {
   use_found_street();
   if (samples.size() < kMinSamples) return;
+  search_region();
   const bool witnesses = begin_witness(), updates = started_ && begin_update();
   if ((!witnesses && !started_) || *view_->prepare(samples) != '\0') return;
   labels_.resize(samples.size());

@@ -114,13 +114,23 @@ class Tracker {
   /// Returns the current estimate; LOST before a start.
   TrackerEstimate estimate() const;
 
+  /// The places where the vehicle may be, each with its probability: those of the particles where
+  /// they are two, else those that the search of all streets has left; none while TRACKING.
+  PossiblePlaces possible_places() const;
+
   /// The pose hypotheses; none before a start.
   std::span<const Particle> particles() const {
     return started_ ? particles_.all() : std::span<const Particle>();
   }
 
  private:
+  static constexpr const char* kDisagreement = "the particles do not agree";
+  static constexpr double kMaxSpread = 20;  // m, of particles that all lie in the window
+
   void search_streets(const PlanarPose& motion, const Eigen::Matrix3d& covariance, Duration step);
+  void begin_search();
+  void search_region();
+  double proposal_radius() const;
   bool agrees(const FoundPlace& found) const;
   void use_found_street();
   bool judges_streets() const;
@@ -145,6 +155,7 @@ class Tracker {
   bool propose_street(const PlanarPose& pose);
   void update_state();
   bool is_doubted() const;
+  bool particles_agree(const PoseMoments& moments) const;
   void propose_fix(const PlanarPose& estimate);
 
   const SegmentMap& map_;
@@ -161,6 +172,7 @@ class Tracker {
   GlobalSearch global_search_;
   std::optional<GlobalStart> global_start_;  // nothing: not wanted, or impossible on this map
   bool searching_streets_ = false;
+  bool region_searched_ = false;              // since the place was sure: it was lost from sight
   double searched_ = 0;                       // m driven since that began
   double driven_at_fix_ = INFINITY;           // m, of the search, at the last fix
   double witnessed_m_ = 0, witnessed_s_ = 0;  // driven since its hypotheses were last witnessed

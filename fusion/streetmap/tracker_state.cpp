@@ -22,11 +22,17 @@ bool Tracker::is_doubted() const {
          significance_.p_value() > options_.confidence.max_kept_p_value;
 }
 
+bool Tracker::particles_agree(const PoseMoments& moments) const {
+  const ConfidenceOptions& confidence = options_.confidence;
+  const double yaw = std::sqrt(std::max(moments.covariance(2, 2), 0.0));
+  return moments.spread() <= confidence.max_tracking_spread &&
+         yaw <= confidence.max_tracking_yaw_sigma;
+}
+
 void Tracker::update_state() {
   const ConfidenceOptions& confidence = options_.confidence;
   const PoseMoments moments = particles_.moments();
-  const double spread = moments.spread(), p = significance_.p_value();
-  const double yaw = std::sqrt(std::max(moments.covariance(2, 2), 0.0));
+  const double p = significance_.p_value();
   const bool tracking = state_ == TrackState::kTracking;
   const GnssWitness::Verdict gnss = gnss_.verdict();
   // LOST changes to TRACKING only, and its reason stays.
@@ -53,8 +59,8 @@ void Tracker::update_state() {
     unsure("too few updates since the start");
   } else if (particles_.second_mode_weight() > confidence.max_tracking_second_mode_weight) {
     unsure("two places on the map match the sensor data");
-  } else if (spread > confidence.max_tracking_spread || yaw > confidence.max_tracking_yaw_sigma) {
-    unsure("the particles do not agree");
+  } else if (!particles_agree(moments)) {
+    unsure(kDisagreement);
   } else if (is_doubted()) {
     unsure("sensor data match the map no better than by chance");
   } else if (!tracking && p > confidence.max_tracking_p_value) {
@@ -65,6 +71,7 @@ void Tracker::update_state() {
     unsure("another street fits the drive better");
   } else {
     was_confirmed_ = true;
+    region_searched_ = false;
     set_state(TrackState::kTracking, "");
   }
 }

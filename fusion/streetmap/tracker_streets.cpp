@@ -29,17 +29,37 @@ void Tracker::search_streets(const PlanarPose& motion, const Eigen::Matrix3d& co
   if (!global_start_) return;
   if (!searching_streets_) {
     if (state_ != TrackState::kLost && !place_check_.running()) return;
-    global_start_->restart(started_ ? std::optional(particles_.moments().mean) : std::nullopt);
-    searching_streets_ = true;
-    driven_at_fix_ = INFINITY;
-    searched_ = 0;
-    if (!started_) reason_ = "no initial pose, searching all streets";
+    begin_search();
   }
   const double driven = geometry::plane_length(motion.x, motion.y);
   searched_ += driven;
   witnessed_m_ += driven;
   if (driven > kMinWitnessSpeed * to_seconds(step)) witnessed_s_ += to_seconds(step);
   global_start_->move(motion, covariance, to_seconds(step));
+}
+
+void Tracker::begin_search() {
+  if (!started_) {
+    global_start_->restart();
+    reason_ = "no initial pose, searching all streets";
+  } else {
+    const PoseMoments moments = particles_.moments();
+    global_start_->restart(BelievedPlace{moments.mean, moments.covariance, region_searched_});
+  }
+  searching_streets_ = true;
+  driven_at_fix_ = INFINITY;
+  searched_ = 0;
+}
+
+// A region that windows do not cover, of a vehicle that drove on unseen: the streets in it are
+// searched.
+void Tracker::search_region() {
+  if (!started_ || !was_confirmed_ || region_searched_) return;
+  const PoseMoments moments = particles_.moments();
+  if (moments.spread() <= kMaxSpread) return;
+  region_searched_ = true;
+  place_check_.start(moments.mean, map_);
+  if (global_start_) begin_search();
 }
 
 // True if the place that was found is that of the estimate. Unless that is TRACKING, it must be
@@ -50,6 +70,20 @@ bool Tracker::agrees(const FoundPlace& found) const {
   const Eigen::Vector2d d(estimate.mean.x - found.pose.x, estimate.mean.y - found.pose.y);
   const Eigen::Matrix2d C = (estimate.covariance + found.covariance).topLeftCorner<2, 2>();
   return state_ == TrackState::kTracking || d.dot(C.inverse() * d) < kMaxSquaredDistance;
+}
+
+PossiblePlaces Tracker::possible_places() const {
+  PossiblePlaces places;
+  if (state_ == TrackState::kTracking) return places;
+  if (const auto second = started_ ? particles_.second_moments() : std::nullopt) {
+    const PoseMoments first = particles_.moments();
+    const double probability = particles_.second_mode_weight();
+    places.add({first.mean, first.covariance, 1 - probability});
+    places.add({second->mean, second->covariance, probability});
+  } else if (judges_streets()) {
+    places = global_start_->possible_places();
+  }
+  return places;
 }
 
 void Tracker::use_found_street() {
@@ -77,11 +111,15 @@ bool Tracker::judges_streets() const {
   return searching_streets_ && global_start_->driven() >= kMinJudged;
 }
 
+// What was confirmed cannot be far from where odometry has it.
+double Tracker::proposal_radius() const {
+  return was_confirmed_ && !region_searched_ ? kProposalRadius : INFINITY;
+}
+
 // A street that explains the drive, and much better than the one at a pose.
 bool Tracker::fits_another_street(const PlanarPose& pose) const {
-  return judges_streets() &&
-         global_start_->better_near(pose, was_confirmed_ ? kProposalRadius : INFINITY,
-                                    kMinContradiction, options_.global_start.max_mean_misfit);
+  return judges_streets() && global_start_->better_near(pose, proposal_radius(), kMinContradiction,
+                                                        options_.global_start.max_mean_misfit);
 }
 
 // The drive is at odds with a start that nothing confirmed.
@@ -129,13 +167,12 @@ void Tracker::witness_streets(const GridSamples& samples) {
 
 // A street that explains the drive better than the one at the estimate becomes a mode, and what the
 // sensors see decides. A doubted start may be anywhere, and beside the streets for a part of the
-// drive. What was confirmed cannot be far from where odometry has it, and may be beside the streets
-// itself. True if there was one.
+// drive; what was confirmed, beside the streets itself. True if there was one.
 bool Tracker::propose_street(const PlanarPose& pose) {
   if (!judges_streets() || updates_since_proposal_ < options_.confidence.window / 2) return false;
   const bool anywhere = !was_confirmed_ && (is_doubted() || state_ == TrackState::kLost);
   const auto street =
-      global_start_->better_near(pose, anywhere ? INFINITY : kProposalRadius, kMinProposed,
+      global_start_->better_near(pose, anywhere ? INFINITY : proposal_radius(), kMinProposed,
                                  anywhere ? INFINITY : options_.global_start.max_mean_misfit);
   if (!street) return false;
   updates_since_proposal_ = 0;

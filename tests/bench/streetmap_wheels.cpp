@@ -84,13 +84,13 @@ class WheelTrial {
     while (next_view_ < views_.size() && views_[next_view_].seconds <= lying_.route_seconds(to)) {
       double at = to;
       while (at > from && lying_.route_seconds(at) > views_[next_view_].seconds) at -= 0.005;
-      predict_to(std::max(at, now_));
-      tracker_.update(views_[next_view_++].samples);
+      predict_to(at);
+      update(next_view_++);
       last_update_ = to;
     }
     predict_to(to);
     if (to - last_update_ >= kMapFixInterval && next_view_ > 0) {
-      tracker_.update(views_[next_view_ - 1].samples);  // it stands
+      update(next_view_ - 1);  // it stands
       last_update_ = to;
     }
     if (sources_.gnss && i % std::lround(kMapFixInterval / kTurnOfLidar) == 0) add_fix(to);
@@ -108,10 +108,16 @@ class WheelTrial {
     odometry_.add(wheels);
   }
 
+  // Sweeps that odometry does not cover are not used.
+  void update(size_t view) {
+    if (!odometry_.trajectory().at(motion_.now()).usable()) return;
+    tracker_.update(views_[view].samples);
+  }
+
   void predict_to(double t) {
-    if (t <= now_) return;
-    daemon::predict(tracker_, odometry_.trajectory(), motion::seconds(now_), motion::seconds(t));
-    now_ = t;
+    if (motion::seconds(t) <= motion_.now()) return;
+    motion_.predict(tracker_, odometry_.trajectory(), odometry_.predicted_pose(),
+                    motion::seconds(t));
   }
 
   void add_fix(double t) {
@@ -152,7 +158,8 @@ class WheelTrial {
   daemon::OdometryTracker odometry_;
   daemon::OdometryHealth health_;
   Tracker tracker_;
-  double scale_ = 1, yaw_bias_ = 0, now_ = 0, last_update_ = 0;
+  daemon::StreetMapMotion motion_;
+  double scale_ = 1, yaw_bias_ = 0, last_update_ = 0;
   Eigen::Vector2d gnss_error_{0, 0};
   size_t next_view_ = 0;
   WheelRun result_;

@@ -89,6 +89,7 @@ function motionTables({odometry, streetmap}) {
   if (streetmap) {
     parts.push(part(['Street map: ', stateBadge(streetmap.state)], element('p', {}, streetmap.reason ?? ''),
       table(['', ''], [['standard deviation, m', fixed(streetmap.sigma, 2)], ['probability of being elsewhere', fixed(streetmap.elsewhere, 3)],
+        ...(streetmap.places ?? []).map(p => [`${Math.round(100 * p.probability)} % at, m east, north`, `${fixed(p.x, 0)}, ${fixed(p.y, 0)}`]),
         ['particles', streetmap.particles], ['hypotheses', streetmap.hypotheses ?? ''], ['updates', streetmap.updates]])));
   }
   return parts;

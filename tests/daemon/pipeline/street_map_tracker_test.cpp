@@ -79,7 +79,7 @@ class StreetMapTrackerTest : public testing::Test {
     for (int i = 0; i < sweeps; ++i) {
       now_ = start_ + i * kStep;
       scan(now_, static_cast<uint64_t>(i));
-      pose = tracker.process({LidarIndex(0), sweep_, deskewed_}, trajectory_, odometry);
+      pose = tracker.process({LidarIndex(0), sweep_, deskewed_}, trajectory_, {}, odometry);
     }
     return pose;
   }
@@ -152,7 +152,7 @@ TEST_F(StreetMapTrackerTest, InitialisesFromSeveralGnssFixes) {
     tracker.add_gnss(fix_at(stamp, {off, 1}, i < 15 ? 15 : 1));
     now_ = stamp;
     scan(now_, static_cast<uint64_t>(i));
-    tracker.process({LidarIndex(0), sweep_, deskewed_}, trajectory_, odometry);
+    tracker.process({LidarIndex(0), sweep_, deskewed_}, trajectory_, {}, odometry);
     if (i < 19) {
       EXPECT_TRUE(std::string_view(tracker.pose(odometry).reason).starts_with("no initial pose"))
           << i;
@@ -195,7 +195,9 @@ TEST_F(StreetMapTrackerTest, AGapInOdometryWidensTheParticles) {
   const geometry::Trajectory empty;
   deskewed_.reference = start_ + kStep;
   deskewed_.reason = "the trajectory has a gap";
-  const PoseReport pose = tracker.process({LidarIndex(0), sweep_, deskewed_}, empty, {});
+  geometry::PoseAt predicted{.T_odom_vehicle = pose_at(start_ + kStep)};
+  predicted.covariance(3, 3) = 9;
+  const PoseReport pose = tracker.process({LidarIndex(0), sweep_, deskewed_}, empty, predicted, {});
   // Variance of x itself: a left perturbation rotates about the map origin.
   const auto& C = pose.covariance;
   const double y = pose.T_frame_vehicle(1, 3);
@@ -266,6 +268,11 @@ TEST(StreetMapHealth, RaisesFindingsWithThePosition) {
   status = {.state = TrackState::kLost, .reason = "no initial pose"};
   health.update(Stamp::from_ns(2), status);
   EXPECT_EQ(conditions.findings()[0].what, "position on the street map lost: no initial pose");
+  status.places.add({.probability = 0.6});
+  status.places.add({.probability = 0.4});
+  health.update(Stamp::from_ns(2), status);
+  EXPECT_EQ(conditions.findings()[0].what,
+            "position on the street map lost: no initial pose; it is at one of 2 places: 60, 40 %");
   status = {.state = TrackState::kUnsure,
             .gnss_contradicts = true,
             .gnss_offset = Eigen::Vector2d(30, -40)};

@@ -172,6 +172,19 @@ TEST(Messages, TheLevelOfHealthCountsCalibrations) {
   EXPECT_EQ(drifted["calibrations"][1]["findings"][0]["id"], "drift_confirmed");
 }
 
+TEST(Messages, HealthTellsPlacesOnTheStreetMapThatLookAlike) {
+  HealthReport report;
+  TaskHealth<StreetMapStatus>& streetmap = report.streetmap.emplace();
+  streetmap.status.places.add({.pose = {1, 2, 0.5}, .probability = 0.6});
+  EXPECT_FALSE(encoded(report)["streetmap"].contains("places"));
+  streetmap.status.places.add({.pose = {30, 2, 0.5}, .probability = 0.4});
+  const json places = encoded(report)["streetmap"]["places"];
+  ASSERT_EQ(places.size(), 2U);
+  EXPECT_EQ(places[1]["x"], 30);
+  EXPECT_EQ(places[1]["probability"], 0.4);
+  EXPECT_EQ(places[1]["covariance"].size(), 9U);
+}
+
 TEST(Messages, AnAlertHasTheSameIdWhenRaisedAndCleared) {
   AlertReport report{kStamp, "front", true, {"silent", Level::kStale, kStamp, "w", "a"}};
   const json raised = encoded(report);

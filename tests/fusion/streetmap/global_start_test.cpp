@@ -151,6 +151,23 @@ TEST(GlobalStart, FindsTheOnlyPlaceThatFits) {
   EXPECT_LT(d.dot(place->covariance.topLeftCorner<2, 2>().inverse() * d), 9.21);
 }
 
+TEST(GlobalStart, TellsThePlacesThatLookAlike) {
+  // Two long carriageways, joined at both ends: turned by half a turn, the map is the same.
+  const town::Town town = town::build(town::lattice({0, 400}, {0, 40}));
+  GlobalStart start(town.map, {});
+  start.restart();
+  const PlanarPose truth = drive(start, {100, -1, 0}, {{294, kLeft}, {28, kLeft}, {200, 0}});
+  const PlanarPose alike{400 - truth.x, 40 - truth.y, wrap_angle(truth.yaw + std::numbers::pi)};
+  EXPECT_FALSE(start.place()->sure);
+  const PossiblePlaces places = start.possible_places();
+  ASSERT_EQ(places.all().size(), 2U);
+  for (const PossiblePlace& place : places.all()) {
+    EXPECT_NEAR(place.probability, 0.5, 0.2);
+    EXPECT_TRUE(is_same_place(place.pose, truth, 8) || is_same_place(place.pose, alike, 8));
+  }
+  EXPECT_FALSE(is_same_place(places.all()[0].pose, places.all()[1].pose, 30));
+}
+
 TEST(GlobalStart, IsNotSureOfOneOfManyLikePlaces) {
   // Every block is alike: what is driven fits many of them, in any of four directions.
   const std::vector<double> every{0, 100, 200, 300, 400, 500, 600};
@@ -200,7 +217,7 @@ TEST(GlobalStart, ABelievedPoseDecidesBetweenLikePlaces) {
   const PlanarPose begin{220, 199, 0};
   for (const bool believed : {false, true}) {
     GlobalStart start(town.map, {.believed_radius = 40});
-    start.restart(believed ? std::optional(begin) : std::nullopt);
+    start.restart(believed ? std::optional(BelievedPlace{begin}) : std::nullopt);
     const PlanarPose truth = drive(start, begin, {{74, kLeft}, {88, kRight}, {60}});
     EXPECT_LT(start.behind(truth), believed ? 0.5 : 1.5);
     const double other = start.behind(truth.compose({-100, 0, 0}));
