@@ -41,8 +41,9 @@ infuse_export(methods drivers/measurement fusion/geometry fusion/dependence fusi
 # What reads files needs the libraries that infuseConfig.cmake looks for.
 infuse_install_archive(files infuse_network)
 set_target_properties(infuse_network PROPERTIES EXPORT_NAME network)
-infuse_export(files drivers/text drivers/host drivers/gnss drivers/camera drivers/vehicle drivers/lidar drivers/velodyne
-  drivers/hesai drivers/ouster drivers/robosense drivers/recording drivers/makers fusion/streetmap)
+list(TRANSFORM lidar_makers PREPEND drivers/ OUTPUT_VARIABLE maker_folders)
+infuse_export(files drivers/text drivers/host drivers/gnss drivers/camera drivers/vehicle drivers/lidar ${maker_folders}
+  drivers/recording drivers/makers fusion/streetmap)
 
 foreach(set methods files)
   install(EXPORT infuse_${set} NAMESPACE infuse:: FILE infuse-${set}.cmake DESTINATION ${config} ${installed})

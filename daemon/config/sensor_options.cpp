@@ -13,7 +13,7 @@ std::optional<std::string> LidarOptions::invalid() const {
   if (port == 0) return "port must be between 1 and 65535";
   if (position_port == 0) return "position_port must be between 1 and 65535";
   if (!model.empty() && makers::find_model(model) == nullptr)
-    return "unknown model '" + model + "'";
+    return "unknown model '" + model + "' (" + makers::known_models() + ")";
   if (!sender.empty() && !parse_address(sender)) return "'" + sender + "' is not an IPv4 address";
   if (!(cut_azimuth_deg >= -360 && cut_azimuth_deg <= 360)) {
     return "cut_azimuth_deg must be between -360 and 360";

@@ -46,7 +46,10 @@ Result<void> set_up_lidar(const Config& config, const LidarOptions& options, con
     if (!loaded) return tl::unexpected(loaded.error());
     lidar.decoder.calibration = *loaded;
   }
-  if (auto made = lidar::make_decoder(lidar.decoder); !made) return tl::unexpected(made.error());
+  if (const auto made = lidar::make_decoder(lidar.decoder); !made) {
+    return fail("lidar '" + options.name + "': " + made.error().what, options.source,
+                made.error().hint);
+  }
   setup.rig.lidars.push_back(mount != nullptr ? *mount : LidarMount{options.name, options.model});
   setup.lidars.push_back(std::move(lidar));
   return {};

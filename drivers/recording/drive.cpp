@@ -159,6 +159,10 @@ std::optional<std::string> DriveDescription::invalid() const {
 
 Result<Drive> Drive::open(const fs::path& folder) {
   const fs::path file = folder / "drive.toml";
+  if (std::error_code ignored; fs::is_regular_file(folder, ignored)) {
+    return fail("is a file; a drive is a folder with a drive.toml", folder.string(),
+                "infuse import folder makes one from a capture and images");
+  }
   const auto text = text::read_text(file, kMaxTomlBytes);
   if (!text) return tl::unexpected(text.error());
   auto description = parse_drive(*text, file.string());

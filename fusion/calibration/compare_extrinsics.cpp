@@ -124,18 +124,18 @@ double sign_permutation_p_value(std::span<const double> values, uint64_t seed) {
   return static_cast<double>(as_large) / static_cast<double>(all ? patterns : patterns + 1);
 }
 
-ExtrinsicComparison compare_extrinsics(std::span<const Scene> scenes,
-                                       std::span<const RigCamera> cameras,
-                                       const Eigen::Isometry3d& T_refcam_lidar_a,
-                                       const Eigen::Isometry3d& T_refcam_lidar_b,
-                                       const CompareOptions& options) {
-  ExtrinsicComparison out;
+namespace {
+
+/// The lead in every scene that both poses show enough of; writes the fits, and which scenes.
+std::vector<Lead> measure_leads(std::span<const Scene> scenes, std::span<const RigCamera> cameras,
+                                const Eigen::Isometry3d& T_a, const Eigen::Isometry3d& T_b,
+                                const CompareOptions& options, ExtrinsicComparison& out) {
   const std::vector<TermOptions>& terms = named_measures().front().terms;
   const auto edges = std::find_if(terms.begin(), terms.end(), [](const TermOptions& term) {
     return is_edge(term.lidar.front());
   });
   const auto edge_term = static_cast<size_t>(edges - terms.begin());
-  const Eigen::Isometry3d poses[] = {T_refcam_lidar_a, T_refcam_lidar_b};
+  const Eigen::Isometry3d poses[] = {T_a, T_b};
   const std::vector<RigCamera> moved[] = {
       with_centre_moved(cameras, kCentreStep, 0), with_centre_moved(cameras, -kCentreStep, 0),
       with_centre_moved(cameras, 0, kCentreStep), with_centre_moved(cameras, 0, -kCentreStep)};
@@ -150,15 +150,15 @@ ExtrinsicComparison compare_extrinsics(std::span<const Scene> scenes,
       return SceneFit{.edge_gradient = edge_gradient(measure, T, edge_term),
                       .dependence = measure.evaluate(T, false).estimate.value};
     };
-    out.a.push_back(fit(T_refcam_lidar_a));
-    out.b.push_back(fit(T_refcam_lidar_b));
+    out.a.push_back(fit(T_a));
+    out.b.push_back(fit(T_b));
     out.scenes.push_back(s);
     Lead lead{.value = difference(out.b.back(), out.a.back())};
     const auto derivative = [&](const auto& up, const auto& down) {
       measure.set_cameras(up);
-      const SceneFit above = difference(fit(T_refcam_lidar_b), fit(T_refcam_lidar_a));
+      const SceneFit above = difference(fit(T_b), fit(T_a));
       measure.set_cameras(down);
-      const SceneFit below = difference(fit(T_refcam_lidar_b), fit(T_refcam_lidar_a));
+      const SceneFit below = difference(fit(T_b), fit(T_a));
       const SceneFit change = difference(above, below);
       return SceneFit{change.edge_gradient / (2 * kCentreStep),
                       change.dependence / (2 * kCentreStep)};
@@ -169,29 +169,56 @@ ExtrinsicComparison compare_extrinsics(std::span<const Scene> scenes,
     }
     leads.push_back(lead);
   }
-  out.mean_a = mean_of(out.a);
-  out.mean_b = mean_of(out.b);
+  return leads;
+}
 
-  const std::vector<size_t> group = group_similar(scene_similarity(scenes));
+/// Leads of both measures together, summed over the scenes of one place.
+struct PlaceLeads {
+  std::vector<double> sums;                         ///< by place; 0 without scenes
+  std::vector<Eigen::Vector2d> slopes;              ///< of the sums by the principal point, 1/px
+  Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< of their sum
+  size_t places = 0;                                ///< places that have scenes
+};
+
+PlaceLeads sum_by_place(const std::vector<Lead>& leads, const std::vector<size_t>& scenes,
+                        const std::vector<size_t>& place_of) {
   const double gradient_scale = scale_of(leads, &SceneFit::edge_gradient);
   const double dependence_scale = scale_of(leads, &SceneFit::dependence);
   const auto sum_of = [&](const SceneFit& fit) {
     return gradient_scale * fit.edge_gradient + dependence_scale * fit.dependence;
   };
-  std::vector<double> sums(scenes.size(), 0.0);
-  std::vector<Eigen::Vector2d> slopes(scenes.size(), Eigen::Vector2d::Zero());
-  std::vector<char> seen(scenes.size(), 0);
-  Eigen::Vector2d slope = Eigen::Vector2d::Zero();
+  PlaceLeads out;
+  out.sums.assign(place_of.size(), 0.0);
+  out.slopes.assign(place_of.size(), Eigen::Vector2d::Zero());
+  std::vector<char> seen(place_of.size(), 0);
   for (size_t k = 0; k < leads.size(); ++k) {
-    const size_t of = group[out.scenes[k]];
+    const size_t of = place_of[scenes[k]];
     const Eigen::Vector2d own(sum_of(leads[k].by_u), sum_of(leads[k].by_v));
-    sums[of] += sum_of(leads[k].value);
-    slopes[of] += own;
-    slope += own;
-    out.independent += seen[of] == 0 ? 1 : 0;
+    out.sums[of] += sum_of(leads[k].value);
+    out.slopes[of] += own;
+    out.slope += own;
+    out.places += seen[of] == 0 ? 1 : 0;
     seen[of] = 1;
   }
-  out.better = std::accumulate(sums.begin(), sums.end(), 0.0);
+  return out;
+}
+
+}  // namespace
+
+ExtrinsicComparison compare_extrinsics(std::span<const Scene> scenes,
+                                       std::span<const RigCamera> cameras,
+                                       const Eigen::Isometry3d& T_refcam_lidar_a,
+                                       const Eigen::Isometry3d& T_refcam_lidar_b,
+                                       const CompareOptions& options) {
+  ExtrinsicComparison out;
+  const std::vector<Lead> measured =
+      measure_leads(scenes, cameras, T_refcam_lidar_a, T_refcam_lidar_b, options, out);
+  out.mean_a = mean_of(out.a);
+  out.mean_b = mean_of(out.b);
+
+  PlaceLeads leads = sum_by_place(measured, out.scenes, group_similar(scene_similarity(scenes)));
+  out.independent = leads.places;
+  out.better = std::accumulate(leads.sums.begin(), leads.sums.end(), 0.0);
   if (out.independent < kMinIndependentScenes) {
     // Appended: for a chain of + g++ 12 warns of bounds that are kept.
     out.reason = std::to_string(out.independent);
@@ -199,15 +226,18 @@ ExtrinsicComparison compare_extrinsics(std::span<const Scene> scenes,
     out.reason.append(std::to_string(kMinIndependentScenes)).append(" are needed");
     return out;
   }
-  const double feigned = options.bias * slope.norm();
+  const double feigned = options.bias * leads.slope.norm();
   out.bias_share = out.better != 0 ? std::min(1.0, feigned / std::abs(out.better)) : 0;
   if (out.bias_share == 1) return out;
   if (feigned > 0) {
-    const Eigen::Vector2d displaced = std::copysign(options.bias, -out.better) * slope.normalized();
-    for (size_t s = 0; s < sums.size(); ++s) sums[s] += slopes[s].dot(displaced);
+    const Eigen::Vector2d displaced =
+        std::copysign(options.bias, -out.better) * leads.slope.normalized();
+    for (size_t s = 0; s < leads.sums.size(); ++s) {
+      leads.sums[s] += leads.slopes[s].dot(displaced);
+    }
   }
-  std::erase(sums, 0.0);
-  out.p_value = sign_permutation_p_value(sums, options.seed);
+  std::erase(leads.sums, 0.0);
+  out.p_value = sign_permutation_p_value(leads.sums, options.seed);
   return out;
 }
 

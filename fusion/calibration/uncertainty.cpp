@@ -143,10 +143,10 @@ double scatter_factor(double design_effect, size_t scenes) {
   return design_effect * n / (n - design_effect);
 }
 
-Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& T_refcam_lidar,
-                                 const Eigen::MatrixXd& similarity) {
-  Uncertainty out;
-  out.scene_gradients = objective.scene_gradients(T_refcam_lidar);
+namespace {
+
+/// The gradients of the scenes that have points in view; writes how many scenes they count as.
+std::vector<Vector6> count_scenes(const Eigen::MatrixXd& similarity, Uncertainty& out) {
   std::vector<Vector6> seen;
   std::vector<Eigen::Index> seen_scenes;
   for (size_t s = 0; s < out.scene_gradients.size(); ++s) {
@@ -161,34 +161,33 @@ Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& 
     out.effective_scenes = effective_scenes(seen_similarity, weights);
     out.design_effect = design_effect(seen_similarity, weights);
   }
-  out.scene_influence.assign(out.scene_gradients.size(), 0.0);
-  if (seen.size() < 3) {
-    out.reason = std::to_string(seen.size()) +
-                 " scenes do not show how far scenes disagree: at least 3 are needed";
-    return out;
+  return seen;
+}
+
+/// Why these scenes do not show how far scenes disagree, or nothing.
+std::string describe_few_scenes(size_t seen, double effective) {
+  if (seen < 3) {
+    return std::to_string(seen) +
+           " scenes do not show how far scenes disagree: at least 3 are needed";
   }
-  if (out.effective_scenes < kMinEffectiveScenes) {
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  "%zu scenes of nearly the same place count as %.1f: at least 3 are needed; "
-                  "record at other places",
-                  seen.size(), out.effective_scenes);
-    out.reason = text;
-    return out;
-  }
-  const double effective = out.effective_scenes;
-  const Matrix6 scatter = scatter_factor(out.design_effect, seen.size()) * gradient_scatter(seen);
-  PointInformation points = objective.information(T_refcam_lidar);
-  out.scene_information = std::move(points.scenes);
-  out.bias_information = std::move(points.bias);
-  const Matrix6 information_of_points =
-      total_information(out.scene_information).topLeftCorner<6, 6>();
+  if (effective >= kMinEffectiveScenes) return {};
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "%zu scenes of nearly the same place count as %.1f: at least 3 are needed; "
+                "record at other places",
+                seen, effective);
+  return text;
+}
+
+/// Tries steps until they are about as long as the standard deviation; writes the curvature.
+Sandwich find_sandwich(Objective& objective, const Eigen::Isometry3d& T, const Matrix6& scatter,
+                       const Matrix6& information, Uncertainty& out) {
   const double range = objective.median_range();
-  const Matrix6 steps = curvature_steps(information_of_points, range);
+  const Matrix6 steps = curvature_steps(information, range);
   Sandwich found{.reason = "not evaluated"};
   const auto try_step = [&](double angle) {
-    const Matrix6 H = pose_curvature(objective, T_refcam_lidar, angle * steps);
-    const Sandwich next = sandwich(H, scatter, effective);
+    const Matrix6 H = pose_curvature(objective, T, angle * steps);
+    const Sandwich next = sandwich(H, scatter, out.effective_scenes);
     if (!next.reason.empty() && found.reason.empty()) return;
     found = next;
     out.curvature = H;
@@ -205,6 +204,38 @@ Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& 
        angle *= 2) {
     try_step(2 * angle);
   }
+  return found;
+}
+
+/// Which direction is not known well enough for the covariance to mean anything, or nothing.
+std::string describe_unknown_direction(const Matrix6& covariance) {
+  const Vector6 unit = sigma_limits();
+  const Matrix6 scaled =
+      unit.cwiseInverse().asDiagonal() * covariance * unit.cwiseInverse().asDiagonal();
+  const auto worst = geometry::symmetric_eigen<6>(scaled);
+  if (!(worst.values[5] > 1)) return {};
+  return "not observable: " + describe_direction(worst.vectors.col(5)) +
+         " in camera axes is known to worse than 5 degrees or 50 cm";
+}
+
+}  // namespace
+
+Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& T_refcam_lidar,
+                                 const Eigen::MatrixXd& similarity) {
+  Uncertainty out;
+  out.scene_gradients = objective.scene_gradients(T_refcam_lidar);
+  out.scene_influence.assign(out.scene_gradients.size(), 0.0);
+  const std::vector<Vector6> seen = count_scenes(similarity, out);
+  out.reason = describe_few_scenes(seen.size(), out.effective_scenes);
+  if (!out.usable()) return out;
+  const Matrix6 scatter = scatter_factor(out.design_effect, seen.size()) * gradient_scatter(seen);
+  PointInformation points = objective.information(T_refcam_lidar);
+  out.scene_information = std::move(points.scenes);
+  out.bias_information = std::move(points.bias);
+  const Matrix6 information_of_points =
+      total_information(out.scene_information).topLeftCorner<6, 6>();
+  const Sandwich found =
+      find_sandwich(objective, T_refcam_lidar, scatter, information_of_points, out);
   out.reason = found.reason;
   if (!out.usable()) return out;
   out.cramer_rao_bound = information_of_points.inverse();
@@ -212,15 +243,7 @@ Uncertainty estimate_uncertainty(Objective& objective, const Eigen::Isometry3d& 
       kBiasSigma * out.cramer_rao_bound * out.bias_information.topRows<6>();
   out.bias_covariance = moved_by * moved_by.transpose();
   out.covariance = found.covariance + out.bias_covariance;
-
-  const Vector6 unit = sigma_limits();
-  const Matrix6 scaled =
-      unit.cwiseInverse().asDiagonal() * out.covariance * unit.cwiseInverse().asDiagonal();
-  const auto worst = geometry::symmetric_eigen<6>(scaled);
-  if (worst.values[5] > 1) {
-    out.reason = "not observable: " + describe_direction(worst.vectors.col(5)) +
-                 " in camera axes is known to worse than 5 degrees or 50 cm";
-  }
+  out.reason = describe_unknown_direction(out.covariance);
   const Matrix6 inverse = out.curvature.inverse();
   const Matrix6 information = out.covariance.inverse();
   for (size_t s = 0; s < out.scene_gradients.size(); ++s) {

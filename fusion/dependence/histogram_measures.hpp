@@ -15,6 +15,20 @@ enum class Measure {
   kSquaredLossMutualInformation,  ///< half of χ²: I(4.3) without its spurious minus sign
 };
 
+/// A measure by its short name.
+struct MeasureName {
+  const char* name;
+  Measure measure;
+};
+
+/// Every measure.
+inline constexpr MeasureName kMeasureNames[] = {
+    {"mi", Measure::kMutualInformation},
+    {"nmi", Measure::kNormalisedMutualInformation},
+    {"chi2", Measure::kChiSquared},
+    {"smi", Measure::kSquaredLossMutualInformation},
+};
+
 /// Computes the plug-in measure of the table. The value is set wherever there is mass, with the
 /// histogram's reason.
 Estimate measure(Measure which, const JointHistogram& histogram);

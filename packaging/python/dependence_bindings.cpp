@@ -27,11 +27,9 @@ Value named(const std::string& name, const char* argument,
 }
 
 dep::Measure to_measure(const std::string& name) {
-  return named<dep::Measure>(name, "measure",
-                             {{"mi", dep::Measure::kMutualInformation},
-                              {"nmi", dep::Measure::kNormalisedMutualInformation},
-                              {"chi2", dep::Measure::kChiSquared},
-                              {"smi", dep::Measure::kSquaredLossMutualInformation}});
+  std::vector<std::pair<const char*, dep::Measure>> known;
+  for (const auto& [text, measure] : dep::kMeasureNames) known.emplace_back(text, measure);
+  return named<dep::Measure>(name, "measure", known);
 }
 
 dep::JointHistogramOptions histogram_options(int bins, std::pair<double, double> x_range,

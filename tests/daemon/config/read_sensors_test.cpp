@@ -81,6 +81,12 @@ TEST(Config, ATapIsAnOptionOfTheInterface) {
   EXPECT_EQ(config->lidars[0].udp(2368).interface, "eth1");
 }
 
+TEST(Config, AnUnknownModelIsAnErrorThatNamesTheKnownOnes) {
+  const auto config = parse_config("[[lidar]]\nmodel = \"Mid-360\"\n", "x.toml");
+  ASSERT_FALSE(config);
+  EXPECT_THAT(config.error().message(), HasSubstr("unknown model 'Mid-360' (known: "));
+}
+
 TEST(Config, AnInvalidLiveSensorIsAnErrorWithItsLine) {
   for (const char* text :
        {"[[camera]]\ndevice = \"video0\"", "[[camera]]\nwidth = 640",

@@ -234,6 +234,8 @@ TEST_F(LiveSetupTest, ReportsInvalidConfigurations) {
   const std::pair<const char*, const char*> cases[] = {
       {"[[lidar]]\n", "has no model"},
       {"\n[[lidar]]\n", ".toml:2: "},
+      {"[[lidar]]\nname = \"top\"\nmodel = \"OS1-64\"\n",
+       ".toml:1: lidar 'top': the sensor's metadata is missing (store what it gives"},
       {"[[lidar]]\nname = \"a\"\nmodel = \"VLP-16\"\n[[lidar]]\nname = \"b\"\nmodel = \"VLP-16\"\n",
        "cannot be told apart on port 2368"},
       {"[record]\ndirectory = \"rig.toml\"\n", "is not a folder"},

@@ -38,6 +38,9 @@ TEST(Drive, ErrorsNameMissingFiles) {
   EXPECT_THAT(Drive::open(folder.path()).error().message(),
               HasSubstr("drive.toml: cannot be opened"));
   EXPECT_FALSE(Drive::open(folder / "nowhere"));
+  folder.write("alone.pcap", "");
+  EXPECT_THAT(Drive::open(folder / "alone.pcap").error().message(),
+              HasSubstr("a drive is a folder with a drive.toml (infuse import folder"));
   ASSERT_TRUE(write_drive_toml(folder.path(), one_lidar()));
   EXPECT_THAT(Drive::open(folder.path()).error().message(),
               HasSubstr("lidar 'top': packets 'lidar.pcap' does not exist"));

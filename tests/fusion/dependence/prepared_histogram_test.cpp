@@ -14,9 +14,6 @@ namespace infuse::dependence {
 namespace {
 
 constexpr float kNotANumber = std::numeric_limits<float>::quiet_NaN();
-constexpr Measure kPreparedMeasures[] = {
-    Measure::kMutualInformation, Measure::kNormalisedMutualInformation, Measure::kChiSquared,
-    Measure::kSquaredLossMutualInformation};
 
 /// Correlated samples, a few of them outside 0 … 1.
 struct Pairs {
@@ -111,7 +108,8 @@ TEST(PreparedHistogram, ValuesAgreeWithTheOracle) {
   const Pairs pairs(3000);
   PreparedHistogram prepared(pairs.x, options(24, 32));
   const JointHistogram truth = spline_oracle(pairs.x, pairs.y, options(24, 32));
-  for (const Measure which : kPreparedMeasures) {
+  for (const MeasureName& each : kMeasureNames) {
+    const Measure which = each.measure;
     EXPECT_NEAR(prepared.value(which, pairs.y).value, measure(which, truth).value, 2e-6);
   }
 }
@@ -128,7 +126,8 @@ TEST(PreparedHistogram, GradientAgreesWithCentralDifferencesOfTheOracle) {
   std::vector<double> y(pairs.y.begin(), pairs.y.end());
   std::vector<float> gradient(400);
   PreparedHistogram prepared(pairs.x, o, weights);
-  for (const Measure which : kPreparedMeasures) {
+  for (const MeasureName& each : kMeasureNames) {
+    const Measure which = each.measure;
     ASSERT_TRUE(prepared.value_and_gradient(which, pairs.y, gradient).usable());
     double largest = 0;
     for (const float g : gradient) largest = std::max(largest, std::abs(double(g)));
@@ -179,7 +178,8 @@ TEST(PreparedHistogram, AbsentSamplesAreIgnored) {
 TEST(PreparedHistogram, SymmetricInItsSides) {
   const Pairs pairs(2000);
   for (const Window window : {Window::kNone, Window::kGaussian, Window::kBSpline}) {
-    for (const Measure which : kPreparedMeasures) {
+    for (const MeasureName& each : kMeasureNames) {
+      const Measure which = each.measure;
       const double xy =
           measure(which, joint_histogram(pairs.x, pairs.y, options(12, 20, window))).value;
       const double yx =
@@ -206,7 +206,8 @@ void expect_reason(const std::vector<float>& x, const std::vector<float>& y,
                    const std::string& reason, const std::vector<float>& weights = {}) {
   for (const Window window : {Window::kNone, Window::kGaussian, Window::kBSpline}) {
     PreparedHistogram prepared(x, options(8, 8, window), weights);
-    for (const Measure which : kPreparedMeasures) {
+    for (const MeasureName& each : kMeasureNames) {
+      const Measure which = each.measure;
       const Estimate estimate = prepared.value(which, y);
       EXPECT_THAT(std::string(estimate.reason), testing::HasSubstr(reason));
       EXPECT_TRUE(std::isfinite(estimate.value));
