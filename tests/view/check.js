@@ -26,6 +26,7 @@ const replay = (...more) => [path.join(bin, 'infused'), '--replay', drive, '--co
 function start(...more) {
   const [program, ...rest] = replay('--view', ...more);
   const child = spawn(program, rest, {stdio: 'ignore'});
+  process.on('exit', () => child.kill());
   return {child, ended: new Promise(done => child.on('exit', done))};
 }
 function stop(run) { run.child.kill('SIGINT'); return run.ended; }
