@@ -1,9 +1,11 @@
 #include "daemon/command_line/arguments.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
 #include <numeric>
 #include <regex>
 #include <utility>
@@ -60,6 +62,24 @@ std::string items_of(const std::string& list) {
                             ", ");
 }
 
+/// The bounds that CLI11 states, "0.050000" and "100.000000": "between 0.05 and 100". Its positive
+/// numbers reach to the largest double.
+std::string bounds(const std::string& low, const std::string& high) {
+  const double first = std::strtod(low.c_str(), nullptr), last = std::strtod(high.c_str(), nullptr);
+  if (last == std::numeric_limits<double>::max()) return "above 0";
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "between %.10g and %.10g", first, last);
+  return text.data();
+}
+
+/// What an option takes that cannot be converted from a text: whole numbers where it is a number.
+std::string wanted_instead_of(const std::string& text) {
+  char* end = nullptr;
+  std::strtod(text.c_str(), &end);
+  if (text.empty() || *end != '\0') return "a number";
+  return text.starts_with('-') ? "at least 0" : "a whole number";
+}
+
 /// What CLI11 says, as a sentence of ours.
 std::string sentence_of(const std::string& said) {
   std::smatch match;
@@ -71,6 +91,19 @@ std::string sentence_of(const std::string& said) {
   if (std::regex_match(said, match, std::regex(R"((\S+): (.*) unit not recognized.*\{(.*)\})"))) {
     return match.str(1) + " has the unknown unit '" + match.str(2) +
            "'; known: " + items_of(match.str(3));
+  }
+  if (std::regex_match(said, match,
+                       std::regex(R"((\S+): Value (.*) not in range (\S+) to (\S+))"))) {
+    return match.str(1) + " must be " + bounds(match.str(3), match.str(4)) + ", not '" +
+           match.str(2) + "'";
+  }
+  if (std::regex_match(said, match, std::regex(R"(Could not convert: (\S+) = (.*))")) ||
+      std::regex_match(said, match, std::regex(R"((\S+): Value (.*) could not be converted.*)"))) {
+    return match.str(1) + " must be " + wanted_instead_of(match.str(2)) + ", not '" + match.str(2) +
+           "'";
+  }
+  if (std::regex_match(said, match, std::regex(R"((\S+): 1 required \S* missing)"))) {
+    return match.str(1) + " needs a value";
   }
   if (std::regex_match(said, match,
                        std::regex("The following arguments? w.* not expected: (.*)"))) {

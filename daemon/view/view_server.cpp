@@ -180,6 +180,7 @@ class ViewServer::Impl {
   void command(ViewClient& client, const std::string& text) {
     if (const auto wanted = parse_profiles_wanted(text)) {
       client.set_profiles_wanted(*wanted);
+      may_show_profiles_ = true;
       for (CameraView& camera : cameras_) camera.has_profile = false;
     }
     if (!control_) return;
@@ -203,7 +204,7 @@ class ViewServer::Impl {
       CameraView& camera = cameras_[index];
       const bool profile = profile_due(camera);
       // A replay may pause or end before a page shows profiles: then its last image gives one.
-      const bool with_returns = profile || control_ != nullptr;
+      const bool with_returns = profile || (control_ != nullptr && may_show_profiles_);
       if (tap_.swap_image(CameraIndex(index), camera.image, with_returns)) {
         camera.has_profile = false;
         if (camera::encode_jpeg(camera.image.frame, kJpegQuality, jpeg_)) {
@@ -278,6 +279,7 @@ class ViewServer::Impl {
   ViewClient::Message last_map_;
   Eigen::Vector2d map_middle_ = Eigen::Vector2d::Zero();  // of that, m, map frame
   ViewSweep sweep_;                  // memory that is used again, as the next two
+  bool may_show_profiles_ = false;   // a page has said whether it shows them
   std::vector<CameraView> cameras_;  // by CameraIndex
   std::vector<uint8_t> jpeg_;
   ViewProfiler profiler_;

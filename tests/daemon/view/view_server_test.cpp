@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -323,9 +324,16 @@ TEST_F(ViewServerTest, ProfilesGoToThePagesThatAsk) {
 }
 
 TEST_F(ViewServerTest, AReplayThatHasEndedStillGivesAProfile) {
-  const auto server = start([](const ViewCommand&) {});
+  std::atomic<bool> told = false;
+  const auto server = start([&](const ViewCommand& command) {
+    if (command.kind != ViewCommand::Kind::kOpened) told = true;
+  });
   Page page = open(*server);
   read(page);
+  page.write(
+      asio::buffer(std::string(R"({"profiles":false})")));  // as a page says that has a panel
+  page.write(asio::buffer(std::string(R"({"rate":1})")));
+  EXPECT_TRUE(wait_until([&] { return told.load(); }));
   CameraImage image;
   image.readable = true;
   image.frame.width = 4;
