@@ -267,6 +267,7 @@ function client() {
 }
 const stopped = client(), brisk = client();
 await waitFor(() => stopped.messages > 10 && brisk.messages > 10);
+if (!quick) await sleep(5000);  // the pipeline itself has its memory
 stopped.socket._socket.pause();
 const memory = () => Number(/VmRSS:\s+(\d+)/.exec(fs.readFileSync(`/proc/${run.child.pid}/status`, 'utf8'))[1]) / 1024;
 const memoryBefore = memory();
