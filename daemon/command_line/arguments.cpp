@@ -76,8 +76,20 @@ std::string bounds(const std::string& low, const std::string& high) {
 std::string wanted_instead_of(const std::string& text) {
   char* end = nullptr;
   std::strtod(text.c_str(), &end);
-  if (text.empty() || *end != '\0') return "a number";
-  return text.starts_with('-') ? "at least 0" : "a whole number";
+  return text.empty() || *end != '\0' ? "a number" : "a whole number";
+}
+
+/// Lets options that count refuse a minus, which CLI11 would take for a number near 2⁶⁴.
+void refuse_negative_counts(CLI::App& app) {
+  for (CLI::Option* const option : app.get_options()) {
+    if (!option->get_type_name().starts_with("UINT")) continue;
+    option->check([](const std::string& text) {
+      return text.starts_with('-') ? "must be at least 0, not '" + text + "'" : std::string();
+    });
+  }
+  for (CLI::App* const command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    refuse_negative_counts(*command);
+  }
 }
 
 /// What CLI11 says, as a sentence of ours.
@@ -102,7 +114,10 @@ std::string sentence_of(const std::string& said) {
     return match.str(1) + " must be " + wanted_instead_of(match.str(2)) + ", not '" + match.str(2) +
            "'";
   }
-  if (std::regex_match(said, match, std::regex(R"((\S+): 1 required \S* missing)"))) {
+  if (std::regex_match(said, match, std::regex(R"((\S+): (must be .*))"))) {
+    return match.str(1) + " " + match.str(2);
+  }
+  if (std::regex_match(said, match, std::regex(R"((\S+): 1 required .* missing)"))) {
     return match.str(1) + " needs a value";
   }
   if (std::regex_match(said, match,
@@ -115,6 +130,7 @@ std::string sentence_of(const std::string& said) {
 }  // namespace
 
 std::optional<int> parse_arguments(CLI::App& app, int argc, char** argv) {
+  refuse_negative_counts(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
