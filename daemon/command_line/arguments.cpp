@@ -79,10 +79,12 @@ std::string wanted_instead_of(const std::string& text) {
   return text.empty() || *end != '\0' ? "a number" : "a whole number";
 }
 
-/// Lets options that count refuse a minus, which CLI11 would take for a number near 2⁶⁴.
+/// Lets options that count (type N in the help) refuse a minus, which CLI11 would take for a number
+/// near 2⁶⁴.
 void refuse_negative_counts(CLI::App& app) {
   for (CLI::Option* const option : app.get_options()) {
-    if (!option->get_type_name().starts_with("UINT")) continue;
+    const std::string type = option->get_type_name().substr(0, option->get_type_name().find(':'));
+    if (type != "UINT" && type != "N") continue;
     option->check([](const std::string& text) {
       return text.starts_with('-') ? "must be at least 0, not '" + text + "'" : std::string();
     });

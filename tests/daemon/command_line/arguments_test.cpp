@@ -63,7 +63,7 @@ TEST(Arguments, WrongValuesAreAnsweredWithASentence) {
     evaluate->add_option("--scale", scale)->check(CLI::Range(0.05, 100.0));
     evaluate->add_option("--size", size)->check(CLI::PositiveNumber);
     evaluate->add_option("--wait", wait);
-    evaluate->add_option("--scenes", scenes);
+    evaluate->add_option("--scenes", scenes)->type_name("N");
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());
     testing::internal::CaptureStderr();
