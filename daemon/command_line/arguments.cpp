@@ -1,9 +1,11 @@
 #include "daemon/command_line/arguments.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
 #include <numeric>
 #include <regex>
 #include <utility>
@@ -60,6 +62,38 @@ std::string items_of(const std::string& list) {
                             ", ");
 }
 
+/// The bounds that CLI11 states, "0.050000" and "100.000000": "between 0.05 and 100". Its positive
+/// numbers reach to the largest double.
+std::string bounds(const std::string& low, const std::string& high) {
+  const double first = std::strtod(low.c_str(), nullptr), last = std::strtod(high.c_str(), nullptr);
+  if (last == std::numeric_limits<double>::max()) return "above 0";
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "between %.10g and %.10g", first, last);
+  return text.data();
+}
+
+/// What an option takes that cannot be converted from a text: whole numbers where it is a number.
+std::string wanted_instead_of(const std::string& text) {
+  char* end = nullptr;
+  std::strtod(text.c_str(), &end);
+  return text.empty() || *end != '\0' ? "a number" : "a whole number";
+}
+
+/// Lets options that count (type N in the help) refuse a minus, which CLI11 would take for a number
+/// near 2⁶⁴.
+void refuse_negative_counts(CLI::App& app) {
+  for (CLI::Option* const option : app.get_options()) {
+    const std::string type = option->get_type_name().substr(0, option->get_type_name().find(':'));
+    if (type != "UINT" && type != "N") continue;
+    option->check([](const std::string& text) {
+      return text.starts_with('-') ? "must be at least 0, not '" + text + "'" : std::string();
+    });
+  }
+  for (CLI::App* const command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    refuse_negative_counts(*command);
+  }
+}
+
 /// What CLI11 says, as a sentence of ours.
 std::string sentence_of(const std::string& said) {
   std::smatch match;
@@ -73,6 +107,22 @@ std::string sentence_of(const std::string& said) {
            "'; known: " + items_of(match.str(3));
   }
   if (std::regex_match(said, match,
+                       std::regex(R"((\S+): Value (.*) not in range (\S+) to (\S+))"))) {
+    return match.str(1) + " must be " + bounds(match.str(3), match.str(4)) + ", not '" +
+           match.str(2) + "'";
+  }
+  if (std::regex_match(said, match, std::regex(R"(Could not convert: (\S+) = (.*))")) ||
+      std::regex_match(said, match, std::regex(R"((\S+): Value (.*) could not be converted.*)"))) {
+    return match.str(1) + " must be " + wanted_instead_of(match.str(2)) + ", not '" + match.str(2) +
+           "'";
+  }
+  if (std::regex_match(said, match, std::regex(R"((\S+): (must be .*))"))) {
+    return match.str(1) + " " + match.str(2);
+  }
+  if (std::regex_match(said, match, std::regex(R"((\S+): 1 required .* missing)"))) {
+    return match.str(1) + " needs a value";
+  }
+  if (std::regex_match(said, match,
                        std::regex("The following arguments? w.* not expected: (.*)"))) {
     return "unknown argument: " + match.str(1);
   }
@@ -82,6 +132,7 @@ std::string sentence_of(const std::string& said) {
 }  // namespace
 
 std::optional<int> parse_arguments(CLI::App& app, int argc, char** argv) {
+  refuse_negative_counts(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

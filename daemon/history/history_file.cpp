@@ -17,22 +17,22 @@ constexpr mode_t kHistoryMode = 0640;  // the group may read it
 
 std::filesystem::path older(const std::filesystem::path& path) { return path.string() + ".1"; }
 
-Result<receive::FileDescriptor> open_to_append(const std::filesystem::path& path) {
-  receive::FileDescriptor file(
+Result<host::FileDescriptor> open_to_append(const std::filesystem::path& path) {
+  host::FileDescriptor file(
       ::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, kHistoryMode));
-  if (!file) return receive::fail_errno("cannot be opened", path.string());
+  if (!file) return host::fail_errno("cannot be opened", path.string());
   ::fchmod(file.get(), kHistoryMode);  // independent of the umask
   return file;
 }
 
 /// Size of the file, bytes; 0 if it is not known.
-off_t size_of(const receive::FileDescriptor& file) {
+off_t size_of(const host::FileDescriptor& file) {
   struct stat about {};
   return ::fstat(file.get(), &about) == 0 ? about.st_size : 0;
 }
 
 /// True if a crash has left a part of a line at the end.
-bool ends_within_a_line(const receive::FileDescriptor& file, off_t size) {
+bool ends_within_a_line(const host::FileDescriptor& file, off_t size) {
   char last = '\n';
   return size > 0 && ::pread(file.get(), &last, 1, size - 1) == 1 && last != '\n';
 }
@@ -58,7 +58,7 @@ Result<void> HistoryFile::append(std::string_view line) const {
   if (::write(file->get(), text.data(), text.size()) == static_cast<ssize_t>(text.size())) {
     return {};
   }
-  auto failed = receive::fail_errno("cannot be written", path_.string());
+  auto failed = host::fail_errno("cannot be written", path_.string());
   if (::ftruncate(file->get(), size) != 0) return failed;  // the part is closed by the next line
   return failed;
 }

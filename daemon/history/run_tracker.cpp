@@ -87,7 +87,7 @@ void RunTracker::end_run(Stamp now) {
   write(now);
   if (problem_.empty()) return;
   const std::string text = format_state(state_);
-  const receive::FileDescriptor file(::open(file_.c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW));
+  const host::FileDescriptor file(::open(file_.c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW));
   if (!file || ::pwrite(file.get(), text.data(), text.size(), 0) < 0 || ::fsync(file.get()) != 0) {
     spdlog::error("cannot save that this run ended by itself: {}", problem_);
   }

@@ -102,13 +102,13 @@ Result<std::vector<size_t>> read_first_keyframes(const MapJson& manifest,
 }  // namespace
 
 Result<MapFolder> MapFolder::hold() const {
-  receive::FileDescriptor folder(::open(path_.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
+  host::FileDescriptor folder(::open(path_.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
   if (!folder) {
     return fail(std::string("cannot be opened: ") + std::strerror(errno), path_.string());
   }
   MapFolder held(path_);
   held.opened_ = "/proc/self/fd/" + std::to_string(folder.get());
-  held.held_ = std::make_shared<const receive::FileDescriptor>(std::move(folder));
+  held.held_ = std::make_shared<const host::FileDescriptor>(std::move(folder));
   return held;
 }
 

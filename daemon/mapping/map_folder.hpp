@@ -73,7 +73,7 @@ class MapFolder {
  private:
   std::filesystem::path path_;    // as it is named
   std::filesystem::path opened_;  // where it is read
-  std::shared_ptr<const receive::FileDescriptor> held_;
+  std::shared_ptr<const host::FileDescriptor> held_;
 };
 
 /// A manifest with format and version.

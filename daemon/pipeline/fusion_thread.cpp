@@ -271,8 +271,8 @@ void FusionThread::localise(const SweepSnapshot& snapshot) {
   if (!maps_.street_map) return;
   const auto track = [&] {
     const ScopedLatency timer(latency(Stage::kTrack));
-    return maps_.street_map->process(snapshot, odometry_.trajectory(),
-                                     odometry_.predicted_pose(), odometry);
+    return maps_.street_map->process(snapshot, odometry_.trajectory(), odometry_.predicted_pose(),
+                                     odometry);
   };
   report(track());
 }

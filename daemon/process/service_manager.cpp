@@ -30,12 +30,12 @@ std::optional<Duration> watchdog_timeout() {
   return std::chrono::microseconds(us);
 }
 
-std::vector<receive::FileDescriptor> inherited_sockets() {
-  std::vector<receive::FileDescriptor> sockets;
+std::vector<host::FileDescriptor> inherited_sockets() {
+  std::vector<host::FileDescriptor> sockets;
   const int count =
       sd_listen_fds(1);  // 1: unset the environment, so that child processes do not inherit it
   for (int i = 0; i < count; ++i) {
-    receive::FileDescriptor socket(SD_LISTEN_FDS_START + i);
+    host::FileDescriptor socket(SD_LISTEN_FDS_START + i);
     if (sd_is_socket(socket.get(), AF_UNIX, SOCK_STREAM, 1) > 0) {
       sockets.push_back(std::move(socket));
     }

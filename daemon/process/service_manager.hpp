@@ -27,6 +27,6 @@ void notify_stopping();
 std::optional<Duration> watchdog_timeout();
 
 /// Listening Unix stream sockets inherited from the service manager. A second call returns none.
-std::vector<receive::FileDescriptor> inherited_sockets();
+std::vector<host::FileDescriptor> inherited_sockets();
 
 }  // namespace infuse::daemon::service_manager

@@ -14,7 +14,7 @@ Result<bool> become_user(const std::string& name) {
   if (user == nullptr) return false;
   if (::initgroups(user->pw_name, user->pw_gid) != 0 || ::setgid(user->pw_gid) != 0 ||
       ::setuid(user->pw_uid) != 0) {
-    return receive::fail_errno("cannot become the user", name);
+    return host::fail_errno("cannot become the user", name);
   }
   return true;
 }

@@ -10,6 +10,6 @@ namespace infuse::daemon {
 /// Takes a state directory for this process, until the result is gone: two daemons that share one
 /// would destroy each other's files. Works on a read-only disk; a folder that is not there is
 /// nothing to share. Errors: another process has it.
-Result<receive::FileDescriptor> lock_state(const std::filesystem::path& folder);
+Result<host::FileDescriptor> lock_state(const std::filesystem::path& folder);
 
 }  // namespace infuse::daemon

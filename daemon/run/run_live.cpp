@@ -87,7 +87,7 @@ int run_live(const RunOptions& options, const Config& config) {
   if (!setup) return refuse(setup.error());
   log_sensors(*setup, options.config);
   const std::filesystem::path state = state_folder();
-  std::optional<receive::FileDescriptor> lock;
+  std::optional<host::FileDescriptor> lock;
   if (!state.empty()) {
     auto locked = lock_state(state);
     if (!locked) return refuse(locked.error());
@@ -112,7 +112,7 @@ int run_live(const RunOptions& options, const Config& config) {
   if (!view) return refuse(view.error());
 
   // The pipeline.
-  const receive::TimeBase base;
+  const host::TimeBase base;
   const auto now = [base] { return base.now(); };
   RecordingController recordings(config, *setup, now);
   pipeline_options.view = view->tap.get();

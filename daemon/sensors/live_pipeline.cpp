@@ -13,8 +13,7 @@ constexpr int kIoPriority = 10;
 
 LivePipeline::LivePipeline(boost::asio::io_context& io, SensorSetup setup,
                            const PipelineOptions& options, Server& server,
-                           std::function<void()> on_end, const receive::TimeBase& base,
-                           RecordTap* tap)
+                           std::function<void()> on_end, const host::TimeBase& base, RecordTap* tap)
     : setup_(std::move(setup)), pipeline_(io, setup_, options, server, nullptr, std::move(on_end)) {
   reader_.emplace(setup_, pipeline_.intake(), base, tap);
 }

@@ -18,7 +18,7 @@ class LivePipeline {
   /// have ended. `io`, `server` and `tap`, which may be null, must outlive this object.
   LivePipeline(boost::asio::io_context& io, SensorSetup setup, const PipelineOptions& options,
                Server& server, std::function<void()> on_end,
-               const receive::TimeBase& base = receive::TimeBase(), RecordTap* tap = nullptr);
+               const host::TimeBase& base = host::TimeBase(), RecordTap* tap = nullptr);
 
   /// Starts the threads.
   void start();

@@ -11,7 +11,7 @@ constexpr int kMaxBatchesPerRead = 4;  // from one socket, before the others are
 
 }  // namespace
 
-LiveReader::LiveReader(const SensorSetup& setup, Intake& intake, const receive::TimeBase& base,
+LiveReader::LiveReader(const SensorSetup& setup, Intake& intake, const host::TimeBase& base,
                        RecordTap* tap)
     : base_(base), intake_(intake), tap_(tap), gnss_lidar_(setup.gnss_lidar) {
   std::vector<std::filesystem::path> devices;

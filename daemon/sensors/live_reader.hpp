@@ -26,8 +26,7 @@ namespace infuse::daemon {
 class LiveReader {
  public:
   /// `intake` and `tap` must outlive this object; `tap` may be null.
-  LiveReader(const SensorSetup& setup, Intake& intake, const receive::TimeBase& base,
-             RecordTap* tap);
+  LiveReader(const SensorSetup& setup, Intake& intake, const host::TimeBase& base, RecordTap* tap);
 
   /// Runs until a stop is requested. The last item passed on is always a kEnd.
   void run(std::stop_token stop);
@@ -70,17 +69,17 @@ class LiveReader {
   void update_camera_states(SourceStates& states);
   void update_bus_states(SourceStates& states);
 
-  const receive::TimeBase base_;
+  const host::TimeBase base_;
   Intake& intake_;
   RecordTap* tap_;
   std::deque<Port> ports_;
   std::deque<Camera> cameras_;  // by CameraIndex
   std::deque<Bus> buses_;       // by BusIndex
   std::optional<ReopeningSource<vehicle::SerialLineSource>> gnss_;
-  std::optional<receive::DeviceWatch> devices_;
+  std::optional<host::DeviceWatch> devices_;
   std::optional<LidarIndex> gnss_lidar_;
-  receive::MessageBatch datagrams_{64, makers::max_datagram()};
-  receive::MessageBatch frames_ = vehicle::make_can_batch();
+  host::MessageBatch datagrams_{64, makers::max_datagram()};
+  host::MessageBatch frames_ = vehicle::make_can_batch();
   std::vector<pollfd> poll_set_;
   Stamp last_maintenance_ = Stamp::earliest();
 };

@@ -47,7 +47,7 @@ class BestOffset {
 }  // namespace
 
 std::optional<double> ptp_offset(const std::filesystem::path& device) {
-  const receive::FileDescriptor file(
+  const host::FileDescriptor file(
       ::open(device.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
   if (!file) return std::nullopt;
   BestOffset best;

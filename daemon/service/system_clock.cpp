@@ -60,7 +60,7 @@ SystemClockQuery::SystemClockQuery(uint16_t port)
   chrony.sin_port = htons(port);
   chrony.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   if (::connect(socket_.get(), reinterpret_cast<const sockaddr*>(&chrony), sizeof(chrony)) != 0) {
-    socket_ = receive::FileDescriptor();
+    socket_ = host::FileDescriptor();
   }
 }
 

@@ -25,7 +25,7 @@ class SystemClockQuery {
   std::optional<SystemClock> ask();
 
  private:
-  receive::FileDescriptor socket_;
+  host::FileDescriptor socket_;
   std::optional<SystemClock> last_;
   int unanswered_ = 0;
 };

@@ -56,8 +56,8 @@ class ViewServer::Impl {
         tap_(tap),
         control_(std::move(control)),
         channels_(channels),
-        profiler_(rig),
-        next_profile_(rig.cameras.size()) {
+        cameras_(tap.cameras()),
+        profiler_(rig) {
     if (channels_ == nullptr) return;
     channels_->on_message([this](ViewerChannels::Message message) { pass_on(std::move(message)); });
   }
@@ -119,6 +119,13 @@ class ViewServer::Impl {
   }
 
  private:
+  /// The latest image of a camera.
+  struct CameraView {
+    ViewImage image;
+    bool has_profile = false;                            ///< that of the image has been sent
+    std::chrono::steady_clock::time_point next_profile;  ///< of host time
+  };
+
   ViewRequests::Handlers handlers() {
     ViewRequests::Handlers handlers{.open = [this] { return clients_.size() + viewers_.size(); },
                                     .on_page = std::bind_front(&Impl::open_page, this)};
@@ -178,7 +185,11 @@ class ViewServer::Impl {
 
   /// A page may ask for profiles, that of a replay may change its pace; everything else is ignored.
   void command(ViewClient& client, const std::string& text) {
-    if (const auto wanted = parse_profiles_wanted(text)) client.set_profiles_wanted(*wanted);
+    if (const auto wanted = parse_profiles_wanted(text)) {
+      client.set_profiles_wanted(*wanted);
+      may_show_profiles_ = true;
+      for (CameraView& camera : cameras_) camera.has_profile = false;
+    }
     if (!control_) return;
     if (const auto asked = parse_view_command(text)) control_(*asked);
   }
@@ -196,12 +207,18 @@ class ViewServer::Impl {
       send_map();
       keep_frame(send_all(key_of("sweep", sweep_.lidar), encode_sweep(sweep_, rig_)));
     }
-    for (size_t camera = 0; camera < tap_.cameras(); ++camera) {
+    for (size_t index = 0; index < cameras_.size(); ++index) {
+      CameraView& camera = cameras_[index];
       const bool profile = profile_due(camera);
-      if (!tap_.swap_image(CameraIndex(camera), image_, profile)) continue;
-      if (!camera::encode_jpeg(image_.frame, kJpegQuality, jpeg_)) continue;
-      keep_frame(send_all(key_of("image", camera), encode_image(image_, jpeg_, rig_)));
-      if (profile && !image_.returns.empty()) send_profile(camera);
+      // A replay may pause or end before a page shows profiles: then its last image gives one.
+      const bool with_returns = profile || (control_ != nullptr && may_show_profiles_);
+      if (tap_.swap_image(CameraIndex(index), camera.image, with_returns)) {
+        camera.has_profile = false;
+        if (camera::encode_jpeg(camera.image.frame, kJpegQuality, jpeg_)) {
+          keep_frame(send_all(key_of("image", index), encode_image(camera.image, jpeg_, rig_)));
+        }
+      }
+      if (profile && !camera.image.returns.empty()) send_profile(camera);
     }
     timer_.expires_after(kFramePeriod);
     timer_.async_wait([this](beast::error_code error) {
@@ -214,20 +231,21 @@ class ViewServer::Impl {
     if (control_) last_frames_[message->key] = message;
   }
 
-  bool profile_due(size_t camera) const {
-    return std::chrono::steady_clock::now() >= next_profile_[camera] &&
+  bool profile_due(const CameraView& camera) const {
+    return !camera.has_profile && std::chrono::steady_clock::now() >= camera.next_profile &&
            std::any_of(clients_.begin(), clients_.end(),
                        [](const auto& client) { return client->profiles_wanted(); });
   }
 
   /// Sends the profiles of the image in hand to the pages that show them.
-  void send_profile(size_t camera) {
+  void send_profile(CameraView& camera) {
     const auto message = std::make_shared<const ViewMessage>(
-        ViewMessage{profiler_.encode(image_), key_of("profile", camera)});
+        ViewMessage{profiler_.encode(camera.image), key_of("profile", camera.image.camera)});
     for (const auto& client : clients_) {
       if (client->profiles_wanted()) client->send(message);
     }
-    next_profile_[camera] = std::chrono::steady_clock::now() + kProfilePeriod;
+    camera.has_profile = true;
+    camera.next_profile = std::chrono::steady_clock::now() + kProfilePeriod;
   }
 
   /// Sends the street map around the vehicle, when it has left the middle of what was sent.
@@ -267,11 +285,11 @@ class ViewServer::Impl {
   ViewClient::Message ended_;                               // null: the drive goes on
   ViewClient::Message last_map_;
   Eigen::Vector2d map_middle_ = Eigen::Vector2d::Zero();  // of that, m, map frame
-  ViewSweep sweep_;  // memory that is used again, as the next two
-  ViewImage image_;
+  ViewSweep sweep_;                  // memory that is used again, as the next two
+  bool may_show_profiles_ = false;   // a page has said whether it shows them
+  std::vector<CameraView> cameras_;  // by CameraIndex
   std::vector<uint8_t> jpeg_;
   ViewProfiler profiler_;
-  std::vector<std::chrono::steady_clock::time_point> next_profile_;  // by CameraIndex; of host time
   std::thread thread_;
 };
 

@@ -110,14 +110,14 @@ V4l2Source::Mapping::~Mapping() {
   if (!bytes_.empty()) munmap(bytes_.data(), bytes_.size());
 }
 
-Result<V4l2Source> V4l2Source::open(const V4l2Options& options, const receive::TimeBase& base) {
+Result<V4l2Source> V4l2Source::open(const V4l2Options& options, const host::TimeBase& base) {
   if (auto wrong = options.invalid()) return fail(*wrong, options.device);
   V4l2Source source(options, base);
   source.device_ =
-      receive::FileDescriptor(::open(options.device.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
+      host::FileDescriptor(::open(options.device.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
   if (!source.device_) {
-    return receive::fail_errno("cannot be opened", options.device,
-                               errno == EACCES ? "add the user to the group video" : "");
+    return host::fail_errno("cannot be opened", options.device,
+                            errno == EACCES ? "add the user to the group video" : "");
   }
   for (const auto step : {&V4l2Source::check_capabilities, &V4l2Source::negotiate,
                           &V4l2Source::set_rate, &V4l2Source::set_controls, &V4l2Source::start}) {
@@ -145,7 +145,7 @@ V4l2Source::~V4l2Source() {
 Result<void> V4l2Source::check_capabilities() {
   v4l2_capability about{};
   if (!xioctl(device_.get(), VIDIOC_QUERYCAP, about)) {
-    return receive::fail_errno("not a Video4Linux2 device", options_.device);
+    return host::fail_errno("not a Video4Linux2 device", options_.device);
   }
   const uint32_t able =
       about.capabilities & V4L2_CAP_DEVICE_CAPS ? about.device_caps : about.capabilities;
@@ -166,7 +166,7 @@ Result<void> V4l2Source::negotiate() {
   v4l2_format format{};
   format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   if (!xioctl(device_.get(), VIDIOC_G_FMT, format)) {
-    return receive::fail_errno("cannot read the current format", options_.device);
+    return host::fail_errno("cannot read the current format", options_.device);
   }
   v4l2_pix_format& pixels = format.fmt.pix;
   if (options_.width != 0) {
@@ -177,8 +177,8 @@ Result<void> V4l2Source::negotiate() {
   pixels.field = V4L2_FIELD_NONE;
   pixels.bytesperline = 0;
   if (!xioctl(device_.get(), VIDIOC_S_FMT, format)) {
-    return receive::fail_errno("cannot be set up", options_.device,
-                               errno == EBUSY ? "in use by another program" : "");
+    return host::fail_errno("cannot be set up", options_.device,
+                            errno == EBUSY ? "in use by another program" : "");
   }
   image_layout_ = {chosen->format,
                    static_cast<int>(pixels.width),
@@ -203,7 +203,7 @@ Result<void> V4l2Source::set_rate() {
   if (options_.rate_hz > 0) {
     period = {1000, static_cast<uint32_t>(std::lround(options_.rate_hz * 1000))};
     if (!xioctl(device_.get(), VIDIOC_S_PARM, parameters)) {
-      return receive::fail_errno("cannot set the rate", options_.device, "remove rate_hz");
+      return host::fail_errno("cannot set the rate", options_.device, "remove rate_hz");
     }
   }
   if (xioctl(device_.get(), VIDIOC_G_PARM, parameters) && period.numerator != 0) {
@@ -218,13 +218,13 @@ Result<void> V4l2Source::set_controls() {
     set_control(device, V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL);
     if (!set_control(device, V4L2_CID_EXPOSURE_ABSOLUTE,
                      options_.exposure->count() / kExposureUnitNs)) {
-      return receive::fail_errno("cannot set the exposure", options_.device, "remove exposure_ms");
+      return host::fail_errno("cannot set the exposure", options_.device, "remove exposure_ms");
     }
   }
   if (options_.gain) {
     set_control(device, V4L2_CID_AUTOGAIN, 0);
     if (!set_control(device, V4L2_CID_GAIN, *options_.gain)) {
-      return receive::fail_errno("cannot set the gain", options_.device, "remove gain");
+      return host::fail_errno("cannot set the gain", options_.device, "remove gain");
     }
   }
   return {};
@@ -236,26 +236,26 @@ Result<void> V4l2Source::start() {
   request.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   request.memory = V4L2_MEMORY_MMAP;
   if (!xioctl(device_.get(), VIDIOC_REQBUFS, request)) {
-    return receive::fail_errno("cannot allocate buffers", options_.device,
-                               errno == EBUSY ? "in use by another program" : "");
+    return host::fail_errno("cannot allocate buffers", options_.device,
+                            errno == EBUSY ? "in use by another program" : "");
   }
   for (uint32_t i = 0; i < request.count; ++i) {
     v4l2_buffer buffer = make_buffer(i);
     if (!xioctl(device_.get(), VIDIOC_QUERYBUF, buffer)) {
-      return receive::fail_errno("cannot query buffers", options_.device);
+      return host::fail_errno("cannot query buffers", options_.device);
     }
     buffers_.emplace_back(device_.get(), buffer.m.offset, buffer.length);
     if (buffers_.back().bytes().empty() || !xioctl(device_.get(), VIDIOC_QBUF, buffer)) {
-      return receive::fail_errno("cannot map buffers", options_.device);
+      return host::fail_errno("cannot map buffers", options_.device);
     }
   }
   int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   if (!xioctl(device_.get(), VIDIOC_STREAMON, type)) {
     no_bandwidth_ = errno == ENOSPC;
-    return receive::fail_errno("cannot start streaming", options_.device,
-                               no_bandwidth_ ? "other cameras use its USB bus: set a smaller "
-                                               "width or rate_hz, or use another USB controller"
-                                             : "");
+    return host::fail_errno("cannot start streaming", options_.device,
+                            no_bandwidth_ ? "other cameras use its USB bus: set a smaller "
+                                            "width or rate_hz, or use another USB controller"
+                                          : "");
   }
   return {};
 }
@@ -264,7 +264,7 @@ Result<V4l2Source::Dequeued> V4l2Source::dequeue(uint32_t& index, StreamedImage&
   v4l2_buffer buffer = make_buffer(0);
   if (!xioctl(device_.get(), VIDIOC_DQBUF, buffer)) {
     if (errno == EAGAIN) return Dequeued::kNone;
-    return receive::fail_errno("cannot be read", options_.device);
+    return host::fail_errno("cannot be read", options_.device);
   }
   if (buffer.index >= buffers_.size())
     return fail("the driver returned an unknown buffer", options_.device);
@@ -291,7 +291,7 @@ Result<V4l2Source::Dequeued> V4l2Source::dequeue(uint32_t& index, StreamedImage&
 Result<void> V4l2Source::requeue(uint32_t index) {
   v4l2_buffer buffer = make_buffer(index);
   if (!xioctl(device_.get(), VIDIOC_QBUF, buffer)) {
-    return receive::fail_errno("cannot requeue a buffer", options_.device);
+    return host::fail_errno("cannot requeue a buffer", options_.device);
   }
   return {};
 }

@@ -24,7 +24,7 @@ class V4l2Source {
  public:
   /// Opens, configures and starts the camera. Errors: no such device (yet), no permission, in use,
   /// unsupported size, format or rate.
-  static Result<V4l2Source> open(const V4l2Options& options, const receive::TimeBase& base);
+  static Result<V4l2Source> open(const V4l2Options& options, const host::TimeBase& base);
   V4l2Source(V4l2Source&&) noexcept = default;
   V4l2Source& operator=(V4l2Source&&) noexcept = default;
   ~V4l2Source();
@@ -72,7 +72,7 @@ class V4l2Source {
     std::span<uint8_t> bytes_;
   };
 
-  V4l2Source(const V4l2Options& options, const receive::TimeBase& base)
+  V4l2Source(const V4l2Options& options, const host::TimeBase& base)
       : options_(options), base_(base) {}
   Result<void> check_capabilities();
   Result<void> negotiate();
@@ -85,9 +85,9 @@ class V4l2Source {
   Stamp exposure_stamp(int64_t monotonic_ns, uint32_t flags) const;
 
   V4l2Options options_;
-  receive::TimeBase base_;
+  host::TimeBase base_;
   bool no_bandwidth_ = false;  // the last start found its bus full
-  receive::FileDescriptor device_;
+  host::FileDescriptor device_;
   std::vector<Mapping> buffers_;
   RawImage image_layout_;  // all but its bytes
   double rate_hz_ = 0;

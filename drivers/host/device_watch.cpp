@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstring>
 
-namespace infuse::receive {
+namespace infuse::host {
 
 DeviceWatch::DeviceWatch(const std::vector<std::filesystem::path>& devices) {
   for (const std::filesystem::path& device : devices) {
@@ -49,4 +49,4 @@ bool DeviceWatch::consume_changes() {
   return relevant;
 }
 
-}  // namespace infuse::receive
+}  // namespace infuse::host

@@ -7,7 +7,7 @@
 
 #include "drivers/host/file_descriptor.hpp"
 
-namespace infuse::receive {
+namespace infuse::host {
 
 /// Reports that a missing device may have appeared (inotify): its name, or a folder on the path to
 /// it, appears or changes owner. udev causes both for a device that is plugged in, including udev's
@@ -31,4 +31,4 @@ class DeviceWatch {
   std::set<std::string> names_;    // of the devices and of these folders
 };
 
-}  // namespace infuse::receive
+}  // namespace infuse::host

@@ -4,7 +4,7 @@
 
 #include <utility>
 
-namespace infuse::receive {
+namespace infuse::host {
 
 /// Owns a file descriptor and closes it.
 class FileDescriptor {
@@ -30,4 +30,4 @@ class FileDescriptor {
   int fd_ = -1;
 };
 
-}  // namespace infuse::receive
+}  // namespace infuse::host

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace infuse::receive {
+namespace infuse::host {
 namespace {
 
 /// The counter of an interface restarts only with the interface. A loaded host may be late by tens
@@ -30,4 +30,4 @@ Stamp HardwareStamps::update(int64_t hardware_ns, Stamp received, uint32_t inter
   return last_;
 }
 
-}  // namespace infuse::receive
+}  // namespace infuse::host

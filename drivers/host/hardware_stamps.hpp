@@ -4,7 +4,7 @@
 
 #include "drivers/measurement/clock_model.hpp"
 
-namespace infuse::receive {
+namespace infuse::host {
 
 /// Maps the hardware stamps of a network or CAN interface onto the time base, from the arrival
 /// times of its messages. The interface's clock has an arbitrary origin and its own rate. Its
@@ -30,4 +30,4 @@ class HardwareStamps {
   bool stamped_by_hardware_ = false;
 };
 
-}  // namespace infuse::receive
+}  // namespace infuse::host

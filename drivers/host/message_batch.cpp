@@ -10,7 +10,7 @@
 
 #include "drivers/host/system_error.hpp"
 
-namespace infuse::receive {
+namespace infuse::host {
 namespace {
 
 int64_t to_ns(const timespec& time) { return int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec; }
@@ -115,4 +115,4 @@ Result<size_t> prepare_socket(int socket, size_t requested, const std::string& w
   return static_cast<size_t>(granted) / 2;  // the kernel doubles it for its own bookkeeping
 }
 
-}  // namespace infuse::receive
+}  // namespace infuse::host

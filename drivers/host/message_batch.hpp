@@ -11,7 +11,7 @@
 #include "drivers/host/time_base.hpp"
 #include "drivers/measurement/error.hpp"
 
-namespace infuse::receive {
+namespace infuse::host {
 
 /// Buffers for the messages of one `recvmmsg`. Several sockets may use one batch in turn.
 class MessageBatch {
@@ -88,4 +88,4 @@ void request_hardware_stamps(int socket);
 /// requested if net.core.rmem_max is smaller. `where` names the socket in errors.
 Result<size_t> prepare_socket(int socket, size_t requested, const std::string& where);
 
-}  // namespace infuse::receive
+}  // namespace infuse::host

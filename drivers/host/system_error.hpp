@@ -6,7 +6,7 @@
 
 #include "drivers/measurement/error.hpp"
 
-namespace infuse::receive {
+namespace infuse::host {
 
 /// Returns a failed system call as an `Error`: "what: Permission denied". `number` is its errno.
 inline tl::unexpected<Error> fail_errno(const std::string& what, const std::string& where,
@@ -14,4 +14,4 @@ inline tl::unexpected<Error> fail_errno(const std::string& what, const std::stri
   return fail(what + ": " + std::generic_category().message(number), where, std::move(hint));
 }
 
-}  // namespace infuse::receive
+}  // namespace infuse::host

@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <ctime>
 
-namespace infuse::receive {
+namespace infuse::host {
 namespace {
 
 int64_t read_clock(clockid_t clock) {
@@ -37,4 +37,4 @@ Stamp WallStamps::stamp_of(int64_t wall_ns) const {
   return last_update_ - Duration(age);
 }
 
-}  // namespace infuse::receive
+}  // namespace infuse::host

@@ -4,7 +4,7 @@
 
 #include "drivers/measurement/stamp.hpp"
 
-namespace infuse::receive {
+namespace infuse::host {
 
 /// The host's two clocks at one moment, ns.
 struct ClockReading {
@@ -66,4 +66,4 @@ class WallStamps {
   uint64_t steps_ = 0;
 };
 
-}  // namespace infuse::receive
+}  // namespace infuse::host

@@ -45,7 +45,7 @@ std::optional<std::string> UdpOptions::invalid() const {
   return std::nullopt;
 }
 
-Result<UdpSource> UdpSource::open(const UdpOptions& options, const receive::TimeBase& base) {
+Result<UdpSource> UdpSource::open(const UdpOptions& options, const host::TimeBase& base) {
   UdpSource source(options, base);
   if (auto wrong = options.invalid()) return fail(*wrong, source.name());
   if (const auto ready = source.set_up(); !ready) return tl::unexpected(ready.error());
@@ -54,10 +54,10 @@ Result<UdpSource> UdpSource::open(const UdpOptions& options, const receive::Time
 
 /// Stamps, drop counter and buffer of the socket.
 Result<void> UdpSource::prepare() {
-  const auto granted = receive::prepare_socket(socket_.get(), options_.receive_buffer, name());
+  const auto granted = host::prepare_socket(socket_.get(), options_.receive_buffer, name());
   if (!granted) return tl::unexpected(granted.error());
   granted_ = *granted;
-  receive::request_hardware_stamps(socket_.get());
+  host::request_hardware_stamps(socket_.get());
   return {};
 }
 
@@ -68,7 +68,7 @@ Result<void> UdpSource::filter_senders() {
   PacketFilter filter;
   filter.require_sender(options_.senders, kSourceInDatagram);
   if (std::move(filter).attach(socket_.get())) return {};
-  return receive::fail_errno("cannot attach a filter", name());
+  return host::fail_errno("cannot attach a filter", name());
 }
 
 Result<void> UdpSource::set_up() {
@@ -78,8 +78,8 @@ Result<void> UdpSource::set_up() {
     socket_ = *std::move(tap);
     return prepare();
   }
-  socket_ = receive::FileDescriptor(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-  if (!socket_) return receive::fail_errno("cannot create a socket", name());
+  socket_ = host::FileDescriptor(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  if (!socket_) return host::fail_errno("cannot create a socket", name());
   if (auto prepared = prepare(); !prepared) return prepared;
   if (auto filtered = filter_senders(); !filtered) return filtered;
   if (!options_.multicast.empty()) {  // several processes may receive from a group
@@ -91,8 +91,8 @@ Result<void> UdpSource::set_up() {
   local.sin_port = htons(options_.port);
   local.sin_addr = *parse_ipv4(options_.address);
   if (bind(socket_.get(), reinterpret_cast<const sockaddr*>(&local), sizeof(local)) != 0) {
-    return receive::fail_errno("cannot bind", name(),
-                               errno == EADDRINUSE ? "the port is in use by another program" : "");
+    return host::fail_errno("cannot bind", name(),
+                            errno == EADDRINUSE ? "the port is in use by another program" : "");
   }
   socklen_t size = sizeof(local);
   getsockname(socket_.get(), reinterpret_cast<sockaddr*>(&local), &size);
@@ -110,8 +110,8 @@ Result<void> UdpSource::join() {
   }
   if (setsockopt(socket_.get(), IPPROTO_IP, IP_ADD_MEMBERSHIP, &request, sizeof(request)) != 0 &&
       errno != EADDRINUSE) {  // EADDRINUSE means that it is a member already
-    return receive::fail_errno("cannot join the group " + options_.multicast + "", name(),
-                               "set the lidar's interface");
+    return host::fail_errno("cannot join the group " + options_.multicast + "", name(),
+                            "set the lidar's interface");
   }
   return {};
 }
@@ -136,7 +136,7 @@ void UdpSource::count_dropped(uint32_t by_kernel) {
 
 void UdpSource::rejoin() { static_cast<void>(join()); }
 
-Datagram UdpSource::datagram(const receive::MessageBatch::Message& message) {
+Datagram UdpSource::datagram(const host::MessageBatch::Message& message) {
   const Stamp stamp =
       hardware_stamps_.update(message.hardware_ns, message.stamp, message.interface);
   if (options_.tap) {
@@ -151,7 +151,7 @@ Datagram UdpSource::datagram(const receive::MessageBatch::Message& message) {
 }
 
 tl::unexpected<Error> UdpSource::read_error() const {
-  return receive::fail_errno("cannot be read", name());
+  return host::fail_errno("cannot be read", name());
 }
 
 std::string UdpSource::name() const {

@@ -34,7 +34,7 @@ struct UdpOptions {
 class UdpSource {
  public:
   /// Opens the port. Errors: the address is not local (yet), the port is in use, no such interface.
-  static Result<UdpSource> open(const UdpOptions& options, const receive::TimeBase& base);
+  static Result<UdpSource> open(const UdpOptions& options, const host::TimeBase& base);
 
   /// Readable when a datagram is pending.
   int descriptor() const { return socket_.get(); }
@@ -42,7 +42,7 @@ class UdpSource {
   /// Reads pending datagrams, at most `batch.capacity()`, and calls `on(const Datagram&)` for each.
   /// Returns their number; if it equals the capacity, more may be pending.
   template <class OnDatagram>
-  Result<size_t> read(receive::MessageBatch& batch, OnDatagram on) {
+  Result<size_t> read(host::MessageBatch& batch, OnDatagram on) {
     was_full_ |= is_full();
     const int count = batch.receive(socket_.get(), stamps_);
     if (count < 0) return read_error();
@@ -75,7 +75,7 @@ class UdpSource {
   void rejoin();
 
  private:
-  UdpSource(const UdpOptions& options, const receive::TimeBase& base)
+  UdpSource(const UdpOptions& options, const host::TimeBase& base)
       : options_(options), stamps_(base) {}
   Result<void> set_up();
   Result<void> prepare();
@@ -83,14 +83,14 @@ class UdpSource {
   Result<void> join();
   bool is_full() const;
   void count_dropped(uint32_t by_kernel);
-  Datagram datagram(const receive::MessageBatch::Message& message);
+  Datagram datagram(const host::MessageBatch::Message& message);
   tl::unexpected<Error> read_error() const;
   std::string name() const;
 
   UdpOptions options_;
-  receive::WallStamps stamps_;
-  receive::HardwareStamps hardware_stamps_;
-  receive::FileDescriptor socket_;
+  host::WallStamps stamps_;
+  host::HardwareStamps hardware_stamps_;
+  host::FileDescriptor socket_;
   size_t granted_ = 0;
   uint64_t dropped_ = 0;
   uint32_t seen_drops_ = 0;  ///< the kernel's counter: of datagrams that do not fit or are rejected

@@ -25,36 +25,36 @@ uint16_t read_u16_be(std::span<const uint8_t> bytes, size_t at) {
 
 }  // namespace
 
-Result<receive::FileDescriptor> open_tap(const std::string& interface, uint16_t port,
-                                         std::span<const uint32_t> senders) {
+Result<host::FileDescriptor> open_tap(const std::string& interface, uint16_t port,
+                                      std::span<const uint32_t> senders) {
   const std::string where = "tap of " + interface;
   const unsigned index = if_nametoindex(interface.c_str());
   if (index == 0) return fail("no such interface", interface);
   // Protocol 0: nothing is received before the filter is attached.
-  receive::FileDescriptor tap(socket(AF_PACKET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  host::FileDescriptor tap(socket(AF_PACKET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (!tap) {
-    return receive::fail_errno("cannot create a packet socket", where,
-                               "it needs CAP_NET_RAW and AF_PACKET: see tap.conf of the package");
+    return host::fail_errno("cannot create a packet socket", where,
+                            "it needs CAP_NET_RAW and AF_PACKET: see tap.conf of the package");
   }
   PacketFilter filter;
   filter.require_port(port);
   if (!senders.empty()) filter.require_sender(senders, kSourceAddress);
   if (!std::move(filter).attach(tap.get())) {
-    return receive::fail_errno("cannot attach a filter", where);
+    return host::fail_errno("cannot attach a filter", where);
   }
   packet_mreq promiscuous{};
   promiscuous.mr_ifindex = static_cast<int>(index);
   promiscuous.mr_type = PACKET_MR_PROMISC;
   if (setsockopt(tap.get(), SOL_PACKET, PACKET_ADD_MEMBERSHIP, &promiscuous, sizeof(promiscuous)) !=
       0) {
-    return receive::fail_errno("cannot receive what is addressed to others", where);
+    return host::fail_errno("cannot receive what is addressed to others", where);
   }
   sockaddr_ll local{};
   local.sll_family = AF_PACKET;
   local.sll_protocol = htons(ETH_P_IP);
   local.sll_ifindex = static_cast<int>(index);
   if (bind(tap.get(), reinterpret_cast<const sockaddr*>(&local), sizeof(local)) != 0) {
-    return receive::fail_errno("cannot bind", where);
+    return host::fail_errno("cannot bind", where);
   }
   return tap;
 }

@@ -17,9 +17,9 @@ constexpr mode_t kFileMode = 0640;
 }  // namespace
 
 Result<AppendFile> AppendFile::create(const std::filesystem::path& path) {
-  receive::FileDescriptor file(
+  host::FileDescriptor file(
       ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kFileMode));
-  if (!file) return receive::fail_errno("cannot be created", path.string());
+  if (!file) return host::fail_errno("cannot be created", path.string());
   ::fchmod(file.get(), kFileMode);  // independent of the umask
   return AppendFile(path, std::move(file));
 }
@@ -48,7 +48,7 @@ Result<void> AppendFile::flush() {
       if (::ftruncate(file_.get(), static_cast<off_t>(written_)) == 0) {
         ::lseek(file_.get(), static_cast<off_t>(written_), SEEK_SET);
       }
-      return receive::fail_errno("cannot be written", path_.string(), "is the disk full?", reason);
+      return host::fail_errno("cannot be written", path_.string(), "is the disk full?", reason);
     }
     rest.remove_prefix(static_cast<size_t>(written));
   }

@@ -32,11 +32,11 @@ class AppendFile {
   uint64_t bytes() const { return written_ + buffer_.size(); }
 
  private:
-  AppendFile(std::filesystem::path path, receive::FileDescriptor file)
+  AppendFile(std::filesystem::path path, host::FileDescriptor file)
       : path_(std::move(path)), file_(std::move(file)) {}
 
   std::filesystem::path path_;
-  receive::FileDescriptor file_;
+  host::FileDescriptor file_;
   std::string buffer_;
   uint64_t written_ = 0;
 };

@@ -13,8 +13,8 @@
 namespace infuse::recording {
 namespace {
 
-using receive::fail_errno;
-using receive::FileDescriptor;
+using host::fail_errno;
+using host::FileDescriptor;
 
 bool write_all(int file, std::span<const std::byte> bytes) {
   while (!bytes.empty()) {

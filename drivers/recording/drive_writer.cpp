@@ -180,7 +180,7 @@ Result<void> DriveWriter::flush() {
 }
 
 void DriveWriter::sync() {
-  const receive::FileDescriptor folder(::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  const host::FileDescriptor folder(::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (folder) ::syncfs(folder.get());
 }
 

@@ -10,8 +10,8 @@
 
 namespace infuse::recording {
 
-using receive::fail_errno;
-using receive::FileDescriptor;
+using host::fail_errno;
+using host::FileDescriptor;
 
 MappedFile::~MappedFile() {
   if (!bytes_.empty()) ::munmap(const_cast<std::byte*>(bytes_.data()), bytes_.size());

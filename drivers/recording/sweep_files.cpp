@@ -38,10 +38,10 @@ Result<void> read_points(const std::filesystem::path& path, Sweep& sweep) {
 }  // namespace
 
 Result<void> SweepReader::load(const std::filesystem::path& path) {
-  const receive::FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  const host::FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   struct stat status {};
   if (!file || ::fstat(file.get(), &status) != 0) {
-    return receive::fail_errno("cannot be read", path.string());
+    return host::fail_errno("cannot be read", path.string());
   }
   if (!S_ISREG(status.st_mode)) return fail("is not a regular file", path.string());
   const auto length = static_cast<size_t>(status.st_size);
@@ -55,7 +55,7 @@ Result<void> SweepReader::load(const std::filesystem::path& path) {
   for (size_t done = 0; done < length;) {
     const ssize_t bytes_read = ::read(file.get(), bytes + done, length - done);
     if (bytes_read < 0 && errno == EINTR) continue;
-    if (bytes_read < 0) return receive::fail_errno("cannot be read", path.string());
+    if (bytes_read < 0) return host::fail_errno("cannot be read", path.string());
     if (bytes_read == 0) return fail("was truncated while being read", path.string());
     done += static_cast<size_t>(bytes_read);
   }

@@ -40,18 +40,18 @@ std::optional<std::string> SerialOptions::invalid() const {
 }
 
 Result<SerialLineSource> SerialLineSource::open(const SerialOptions& options,
-                                                const receive::TimeBase& base) {
+                                                const host::TimeBase& base) {
   if (auto wrong = options.invalid()) return fail(*wrong, options.device);
   SerialLineSource source(options, base);
-  source.device_ = receive::FileDescriptor(
+  source.device_ = host::FileDescriptor(
       ::open(options.device.c_str(), O_RDONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (!source.device_) {
-    return receive::fail_errno("cannot be opened", options.device,
-                               errno == EACCES ? "add the user to the group dialout" : "");
+    return host::fail_errno("cannot be opened", options.device,
+                            errno == EACCES ? "add the user to the group dialout" : "");
   }
   termios settings{};
   if (tcgetattr(source.device_.get(), &settings) != 0) {
-    return receive::fail_errno("not a serial device", options.device);
+    return host::fail_errno("not a serial device", options.device);
   }
   cfmakeraw(&settings);
   settings.c_cflag |= CLOCAL | CREAD;
@@ -59,7 +59,7 @@ Result<SerialLineSource> SerialLineSource::open(const SerialOptions& options,
   settings.c_cc[VTIME] = 0;
   cfsetspeed(&settings, *termios_speed(options.baud));
   if (tcsetattr(source.device_.get(), TCSANOW, &settings) != 0) {
-    return receive::fail_errno("cannot be set up", options.device);
+    return host::fail_errno("cannot be set up", options.device);
   }
   return source;
 }
@@ -67,7 +67,7 @@ Result<SerialLineSource> SerialLineSource::open(const SerialOptions& options,
 Result<size_t> SerialLineSource::handle_read_error(ssize_t count) const {
   if (count < 0 && (errno == EAGAIN || errno == EINTR)) return 0;
   if (count == 0) return fail("the device hung up", options_.device);
-  return receive::fail_errno("cannot be read", options_.device);
+  return host::fail_errno("cannot be read", options_.device);
 }
 
 }  // namespace infuse::vehicle

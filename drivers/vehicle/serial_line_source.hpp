@@ -62,7 +62,7 @@ class LineSplitter {
 class SerialLineSource {
  public:
   /// Opens the device. Errors: no such device (yet), no permission, not a serial device.
-  static Result<SerialLineSource> open(const SerialOptions& options, const receive::TimeBase& base);
+  static Result<SerialLineSource> open(const SerialOptions& options, const host::TimeBase& base);
 
   /// Readable when bytes are pending.
   int descriptor() const { return device_.get(); }
@@ -81,13 +81,13 @@ class SerialLineSource {
   const LineSplitter& splitter() const { return splitter_; }
 
  private:
-  SerialLineSource(const SerialOptions& options, const receive::TimeBase& base)
+  SerialLineSource(const SerialOptions& options, const host::TimeBase& base)
       : options_(options), base_(base) {}
   Result<size_t> handle_read_error(ssize_t count) const;
 
   SerialOptions options_;
-  receive::TimeBase base_;
-  receive::FileDescriptor device_;
+  host::TimeBase base_;
+  host::FileDescriptor device_;
   LineSplitter splitter_;
 };
 

@@ -24,7 +24,7 @@ Result<void> set_filters(int socket, const SocketCanOptions& options) {
   }
   if (setsockopt(socket, SOL_CAN_RAW, CAN_RAW_FILTER, filters.data(),
                  static_cast<socklen_t>(filters.size() * sizeof(can_filter))) != 0) {
-    return receive::fail_errno("cannot set the kernel's filters", options.interface);
+    return host::fail_errno("cannot set the kernel's filters", options.interface);
   }
   return {};
 }
@@ -40,7 +40,7 @@ std::optional<std::string> SocketCanOptions::invalid() const {
 }
 
 Result<SocketCanSource> SocketCanSource::open(const SocketCanOptions& options,
-                                              const receive::TimeBase& base) {
+                                              const host::TimeBase& base) {
   if (auto wrong = options.invalid()) return fail(*wrong, options.interface);
   SocketCanSource source(options, base);
   if (const auto ready = source.set_up(); !ready) return tl::unexpected(ready.error());
@@ -49,28 +49,26 @@ Result<SocketCanSource> SocketCanSource::open(const SocketCanOptions& options,
 
 Result<void> SocketCanSource::set_up() {
   const std::string& name = options_.interface;
-  socket_ =
-      receive::FileDescriptor(socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW));
+  socket_ = host::FileDescriptor(socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW));
   if (!socket_) {
-    return receive::fail_errno("the kernel does not support CAN", name, "load the module can_raw");
+    return host::fail_errno("the kernel does not support CAN", name, "load the module can_raw");
   }
   const int on = 1;
   setsockopt(socket_.get(), SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &on, sizeof(on));
   const can_err_mask_t errors = CAN_ERR_MASK;
   setsockopt(socket_.get(), SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof(errors));
   if (auto filtered = set_filters(socket_.get(), options_); !filtered) return filtered;
-  if (const auto size = receive::prepare_socket(socket_.get(), options_.receive_buffer, name);
-      !size) {
+  if (const auto size = host::prepare_socket(socket_.get(), options_.receive_buffer, name); !size) {
     return tl::unexpected(size.error());
   }
-  receive::request_hardware_stamps(socket_.get());
+  host::request_hardware_stamps(socket_.get());
   sockaddr_can bus{};
   bus.can_family = AF_CAN;
   bus.can_ifindex = static_cast<int>(if_nametoindex(name.c_str()));
   if (bus.can_ifindex == 0)
     return fail("no such interface", name, "check that the adapter is plugged in");
   if (bind(socket_.get(), reinterpret_cast<const sockaddr*>(&bus), sizeof(bus)) != 0) {
-    return receive::fail_errno("cannot bind", name, errno == ENODEV ? "not a CAN interface" : "");
+    return host::fail_errno("cannot bind", name, errno == ENODEV ? "not a CAN interface" : "");
   }
   frame_.set_interface(name);
   return {};
@@ -82,7 +80,7 @@ bool SocketCanSource::up() const {
   return ioctl(socket_.get(), SIOCGIFFLAGS, &request) == 0 && (request.ifr_flags & IFF_UP) != 0;
 }
 
-bool SocketCanSource::process_message(const receive::MessageBatch::Message& message) {
+bool SocketCanSource::process_message(const host::MessageBatch::Message& message) {
   if (message.truncated || !parse_socket_can(message.bytes, frame_)) return false;
   // To the microsecond, as in a candump log: a recording of the bus replays identically.
   const Stamp stamp =
@@ -93,7 +91,7 @@ bool SocketCanSource::process_message(const receive::MessageBatch::Message& mess
 }
 
 Result<size_t> SocketCanSource::handle_read_error() {
-  if (errno != ENETDOWN) return receive::fail_errno("cannot be read", options_.interface);
+  if (errno != ENETDOWN) return host::fail_errno("cannot be read", options_.interface);
   bus_errors_.reset();
   return 0;
 }

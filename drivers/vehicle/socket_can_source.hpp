@@ -29,8 +29,7 @@ class SocketCanSource {
  public:
   /// Opens the bus. Errors: no such interface (yet), or not a CAN bus. An interface that is down is
   /// not an error; frames follow once it is up.
-  static Result<SocketCanSource> open(const SocketCanOptions& options,
-                                      const receive::TimeBase& base);
+  static Result<SocketCanSource> open(const SocketCanOptions& options, const host::TimeBase& base);
 
   /// Readable when a frame is pending, and when the interface went down or away.
   int descriptor() const { return socket_.get(); }
@@ -39,7 +38,7 @@ class SocketCanSource {
   /// error frames included. Returns their number. An interface that went down is not an error, see
   /// `up()`; an error means that it is gone: open another source later.
   template <class OnFrame>
-  Result<size_t> read(receive::MessageBatch& batch, OnFrame on) {
+  Result<size_t> read(host::MessageBatch& batch, OnFrame on) {
     const int count = batch.receive(socket_.get(), stamps_);
     if (count < 0) return handle_read_error();
     if (batch.dropped() != 0) dropped_ = batch.dropped();
@@ -66,23 +65,23 @@ class SocketCanSource {
   const std::string& interface() const { return options_.interface; }
 
  private:
-  SocketCanSource(const SocketCanOptions& options, const receive::TimeBase& base)
+  SocketCanSource(const SocketCanOptions& options, const host::TimeBase& base)
       : options_(options), stamps_(base) {}
   Result<void> set_up();
-  bool process_message(const receive::MessageBatch::Message& message);
+  bool process_message(const host::MessageBatch::Message& message);
   Result<size_t> handle_read_error();
 
   SocketCanOptions options_;
-  receive::WallStamps stamps_;
-  receive::HardwareStamps hardware_stamps_;
-  receive::FileDescriptor socket_;
+  host::WallStamps stamps_;
+  host::HardwareStamps hardware_stamps_;
+  host::FileDescriptor socket_;
   CanFrame frame_;
   BusErrors bus_errors_;
   uint64_t dropped_ = 0;
 };
 
 /// Buffers for one read of a bus.
-inline receive::MessageBatch make_can_batch() { return receive::MessageBatch(64, 72); }
+inline host::MessageBatch make_can_batch() { return host::MessageBatch(64, 72); }
 
 /// Parses a frame of SocketCAN: `struct can_frame` (16 bytes) or `canfd_frame` (72). Sets
 /// everything but stamp and interface. False for any other size.

@@ -8,7 +8,17 @@
 namespace infuse::monitoring {
 namespace {
 
-std::string describe_offset(const DriftVerdict& verdict) {
+/// What an offset along an axis is stated in: its unit, and how many of them are in a rad or m.
+struct OffsetUnit {
+  double per_unit;
+  const char* name;
+};
+
+OffsetUnit unit_of(Axis axis) {
+  return axis <= Axis::kRotationZ ? OffsetUnit{1 / kDegree, "°"} : OffsetUnit{100, " cm"};
+}
+
+std::string describe_most_likely(const DriftVerdict& verdict) {
   if (verdict.axis == Axis::kTime) {
     std::string text = format_text("stamps %.0f ms late", 1e3 * verdict.delay);
     if (verdict.delay_ambiguous_axis) {
@@ -18,14 +28,11 @@ std::string describe_offset(const DriftVerdict& verdict) {
     return text;
   }
   const auto k = static_cast<Eigen::Index>(verdict.axis);
-  const bool rotation = verdict.axis <= Axis::kRotationZ;
-  const double factor = rotation ? 1 / kDegree : 100;
-  const char* unit = rotation ? "°" : " cm";
+  const OffsetUnit unit = unit_of(verdict.axis);
   std::string text = verdict.at_least
                          ? format_text("%s by at least %+.1f%s", name_of(verdict.axis),
-                                       verdict.offset(k) * factor, unit)
-                         : format_text("%s by %+.2f ± %.2f%s", name_of(verdict.axis),
-                                       verdict.offset(k) * factor, verdict.sigma(k) * factor, unit);
+                                       verdict.offset(k) * unit.per_unit, unit.name)
+                         : describe_offset(verdict.axis, verdict.offset(k), verdict.sigma(k));
   if (verdict.delay_ambiguous_axis == verdict.axis) {
     text += " (or late stamps: this motion does not separate them)";
   }
@@ -52,6 +59,12 @@ std::string describe_fault(const DriftVerdict& verdict) {
   return text;
 }
 
+std::string describe_offset(Axis axis, double offset, double sigma) {
+  const OffsetUnit unit = unit_of(axis);
+  return format_text("%s by %+.2f ± %.2f%s", name_of(axis), offset * unit.per_unit,
+                     sigma * unit.per_unit, unit.name);
+}
+
 std::string describe_drift(const DriftVerdict& verdict) {
   // Odds of 20 : 1 decide at 95 %.
   constexpr double kDecided = 3;  // nats
@@ -60,7 +73,7 @@ std::string describe_drift(const DriftVerdict& verdict) {
   if (verdict.runner_up_evidence > 0 && odds < kDecided && verdict.runner_up != verdict.axis) {
     other = format_text(", or %s (odds %.0f : 1)", name_of(verdict.runner_up), std::exp(odds));
   }
-  return describe_offset(verdict) + other +
+  return describe_most_likely(verdict) + other +
          format_text(" (evidence %.1f, threshold %.1f nats)", verdict.evidence, verdict.threshold);
 }
 

@@ -45,6 +45,9 @@ struct DriftVerdict {
   void set_fault(CameraFault observed, const std::string& other = {});
 };
 
+/// Describes an offset (rad or m) along an axis of a pose: "rotation about y by +0.52 ± 0.03°".
+std::string describe_offset(Axis axis, double offset, double sigma);
+
 /// Describes the drift: "rotation about y by +0.52 ± 0.03° (evidence 20.4, threshold 19.1 nats)".
 std::string describe_drift(const DriftVerdict& verdict);
 

@@ -1,16 +1,16 @@
-// Opens the view of a replay in headless Chromium: every panel, in light and dark, pause, step and seek, a restart of the
+// Opens the view of a replay in a headless browser: every panel, in light and dark, pause, step and seek, a restart of the
 // daemon, a page that stops reading for 10 s, and the same reports with and without a page.
-//   node tests/view/check.js BIN DRIVE OUT [CONFIG] [--quick]
-// --quick leaves out the screenshots in both colours and the cost.
+//   node tests/view/check.js BIN DRIVE OUT [CONFIG] [--quick] [--firefox]
+// --quick leaves out the screenshots in both colours and the cost. --firefox uses Firefox instead of Chromium, as --quick
+// does; WebGL needs a display there, which may be virtual (xvfb-run -a).
 import {execFileSync, spawn} from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';
 import puppeteer from 'puppeteer-core';
 import {WebSocket} from 'ws';
 
-const quick = process.argv.includes('--quick');
-const [bin, drive, out, base] = process.argv.slice(2).filter(argument => argument !== '--quick');
-const chromium = '/usr/bin/chromium';
+const firefox = process.argv.includes('--firefox'), quick = firefox || process.argv.includes('--quick');
+const [bin, drive, out, base] = process.argv.slice(2).filter(argument => !argument.startsWith('--'));
 const port = 20000 + Math.floor(Math.random() * 20000), url = `http://127.0.0.1:${port}/`;
 fs.mkdirSync(out, {recursive: true});
 const config = path.join(out, 'infused.toml');
@@ -26,6 +26,7 @@ const replay = (...more) => [path.join(bin, 'infused'), '--replay', drive, '--co
 function start(...more) {
   const [program, ...rest] = replay('--view', ...more);
   const child = spawn(program, rest, {stdio: 'ignore'});
+  process.on('exit', () => child.kill());
   return {child, ended: new Promise(done => child.on('exit', done))};
 }
 function stop(run) { run.child.kill('SIGINT'); return run.ended; }
@@ -38,15 +39,17 @@ const cpuSeconds = pid => {
   return (Number(fields[11]) + Number(fields[12])) / 100;
 };
 
-const browser = await puppeteer.launch({executablePath: chromium, headless: true,
-  args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader']});
+const browser = await puppeteer.launch(firefox ?
+  {product: 'firefox', protocol: 'webDriverBiDi', executablePath: '/usr/bin/firefox-esr', headless: true, extraPrefsFirefox: {'webgl.force-enabled': true}} :
+  {executablePath: '/usr/bin/chromium', headless: true,
+    args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader']});
 const errors = [];
 async function newPage(scheme) {
   const page = await browser.newPage();
   page.on('console', m => { if (m.type() === 'error' && !/ERR_CONNECTION|WebSocket connection/.test(m.text())) errors.push(m.text()); });
   page.on('pageerror', e => errors.push(e.message));
   await page.setViewport({width: 1280, height: 860});
-  await page.emulateMediaFeatures([{name: 'prefers-color-scheme', value: scheme}]);
+  if (!firefox) await page.emulateMediaFeatures([{name: 'prefers-color-scheme', value: scheme}]);
   return page;
 }
 async function load(page) {
@@ -119,6 +122,13 @@ const target = await page.evaluate(() => {
 await page.mouse.move(target.x, target.y);
 check('the pointer shows a return', await waitFor(async () => /range [\d.]+ m, height -?[\d.]+ m, reflectivity \d+ %, ring \d+, sweep at/.test(await text(page, '#scene-value')), 3000),
   `${await text(page, '#scene-value')} (one there: ${target.range.toFixed(2)} m)`);
+const drawn = await page.evaluate(() => {  // pixels that are neither background nor grid
+  scene.draw();
+  const gl = scene.gl, pixels = new Uint8Array(4 * scene.canvas.width * scene.canvas.height);
+  gl.readPixels(0, 0, scene.canvas.width, scene.canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+  return pixels.reduce((count, value, i) => count + (i % 4 === 0 && Math.max(value, pixels[i + 1], pixels[i + 2]) > 100 ? 1 : 0), 0);
+});
+check('the returns are drawn', drawn > 1000, `${drawn} pixels`);
 const before_pan = await page.evaluate('[...scene.target]');
 await page.keyboard.down('Shift');
 await page.mouse.down();
@@ -266,6 +276,7 @@ function client() {
 }
 const stopped = client(), brisk = client();
 await waitFor(() => stopped.messages > 10 && brisk.messages > 10);
+if (!quick || firefox) await sleep(5000);  // the pipeline itself has its memory
 stopped.socket._socket.pause();
 const memory = () => Number(/VmRSS:\s+(\d+)/.exec(fs.readFileSync(`/proc/${run.child.pid}/status`, 'utf8'))[1]) / 1024;
 const memoryBefore = memory();

@@ -16,7 +16,7 @@
 namespace infuse::vehicle {
 namespace {
 
-using receive::FileDescriptor;
+using host::FileDescriptor;
 
 class VirtualBus : public testing::Test {
  protected:
@@ -79,8 +79,8 @@ class VirtualBus : public testing::Test {
     }
   }
 
-  receive::TimeBase time_base_;
-  receive::MessageBatch batch_ = make_can_batch();
+  host::TimeBase time_base_;
+  host::MessageBatch batch_ = make_can_batch();
   FileDescriptor sender_;
 };
 

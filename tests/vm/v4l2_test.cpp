@@ -37,7 +37,7 @@ class VirtualCamera : public testing::Test {
     }
   }
 
-  receive::TimeBase time_base_;
+  host::TimeBase time_base_;
 };
 
 TEST_F(VirtualCamera, StreamsWithRisingSequenceAndStampsBeforeNow) {

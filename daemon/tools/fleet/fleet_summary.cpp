@@ -6,8 +6,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 
-#include "drivers/measurement/angles.hpp"
 #include "fusion/calibration/distributions.hpp"
+#include "fusion/monitoring/drift_verdict.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -103,11 +103,9 @@ void pool_camera(CameraSummary& camera, const calibration::PoseDriftOptions& opt
   if (camera.T_rig) camera.rig = difference_from_rig(camera, options.significance);
 }
 
-/// "rotation about y, +0.40 ± 0.03 degrees".
-std::string axis_text(int axis, double value, double sigma) {
-  const double unit = axis < 3 ? kDegree : 0.01;
-  return fmt::format("{}, {:+.2f} ± {:.2f} {}", calibration::kPoseAxes[static_cast<size_t>(axis)],
-                     value / unit, sigma / unit, axis < 3 ? "degrees" : "cm");
+/// "rotation about y by +0.40 ± 0.03°".
+std::string axis_text(int axis, double offset, double sigma) {
+  return monitoring::describe_offset(static_cast<monitoring::Axis>(axis), offset, sigma);
 }
 
 std::string change_text(const CameraSummary& camera, const PoseChange& change) {

@@ -77,8 +77,8 @@ FleetSummary summarise_fleet(std::vector<DriveEntry> entries,
 /// "one_pose", "drift", "inconsistent", "single_drive", "no_calibration".
 const char* name_of(calibration::PoseVerdict verdict);
 
-/// What is found of a camera, in a sentence: "drift from 2026-03-05 on: rotation about y, +0.40 ±
-/// 0.03 degrees".
+/// What is found of a camera, in a sentence: "drift from 2026-03-05 on: rotation about y by +0.40 ±
+/// 0.03°".
 std::string describe(const CameraSummary& camera);
 
 /// The date of a stamp, UTC: "2026-03-05".

@@ -72,8 +72,10 @@ class CalibrationPanel {
   sizes() {
     const width = this.place.clientWidth - 18, height = this.place.clientHeight, beside = width > 560, one = this.cameras.size === 1;
     const right = beside ? (width - 12) * 6 / 11 : width, columns = beside ? 3 : Math.max(2, Math.min(6, Math.floor(right / 160)));
+    // Verdict, title and margins; and a legend, where there are more than two calibrations.
+    const above = [...this.cameras.values()].some(({profile}) => Object.keys(profile?.header.profiles ?? {}).length > 2) ? 106 : 84;
     return {time: {width: beside ? width * 5 / 11 : width, height: beside && one ? Math.min(420, Math.max(110, height - 44)) : 190},
-      profile: {width: Math.floor((right - 6 * (columns - 1)) / columns) - 1, height: beside && one ? Math.min(200, Math.max(76, (height - 84) / 2)) : 110}, columns, beside};
+      profile: {width: Math.floor((right - 6 * (columns - 1)) / columns) - 1, height: beside && one ? Math.min(200, Math.max(76, (height - above) / 2)) : 110}, columns, beside};
   }
 
   showCamera(device, {points, report, profile}, start, last, now, size) {

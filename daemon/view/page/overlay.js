@@ -121,9 +121,13 @@ class Overlay {
       context.fillRect(pixel[0] - size / 2, pixel[1] - size / 2, size, size);
     }
     context.globalAlpha = 1;
-    this.note.textContent = `${drawn.length} returns`;
+    this.showNote();
     if (remembered.arrows) this.drawArrows(context, T);
     this.showPointer(context);
+  }
+
+  showNote() {
+    if (this.drawn && this.frame) this.note.textContent = `${this.drawn.length} returns${ageText(this.frame.header)}`;
   }
 
   /** Where the report says that the calibration in use is wrong: by how much the pixels are off. */

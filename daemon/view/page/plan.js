@@ -201,7 +201,7 @@ class Plan {
     context.textAlign = 'left';
     context.fillText(`${metres} m`, 18, height - 17);
     context.textAlign = 'center';
-    context.fillText(onMap ? 'N' : 'ahead at the start', onMap ? width - 18 : width - 70, onMap ? 32 : 18);
+    context.fillText(onMap ? 'N' : 'ahead at the start', onMap ? width - 18 : width - 76, onMap ? 32 : 18);
     context.beginPath();
     if (onMap) { context.moveTo(width - 18, 8); context.lineTo(width - 13, 20); context.lineTo(width - 23, 20); } else {
       context.moveTo(width - 8, 14); context.lineTo(width - 16, 10); context.lineTo(width - 16, 18); }

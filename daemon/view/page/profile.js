@@ -25,7 +25,7 @@ function profileChart({title, unit, digits, halfWidth, curves, low, high, estima
   }
   svg.append(element('line', {x1: x(0), x2: x(0), y1: top, y2: bottom, stroke: 'var(--text)', 'stroke-width': 1.5}));
   for (const [v, anchor] of [[-halfWidth, 'start'], [0, 'middle'], [halfWidth, 'end']]) {
-    svg.append(element('text', {x: x(v), y: height - 5, 'text-anchor': anchor}, v === 0 ? '0' : `${v > 0 ? '+' : '−'}${Math.abs(v).toFixed(unit === '°' ? 1 : 0)}${v > 0 ? ` ${unit}` : ''}`));
+    svg.append(element('text', {x: x(v), y: height - 5, 'text-anchor': anchor}, v === 0 ? '0' : `${v > 0 ? '+' : '−'}${Math.abs(v).toFixed(unit === '°' ? 1 : 0)}`));
   }
   for (const {nats, colour, dash} of curves) {
     const at = nats.map((v, i) => [x(halfWidth * (2 * i / (nats.length - 1) - 1)), y(v)]), [u, v] = peak(nats);
@@ -50,6 +50,6 @@ function profileElements(frame, report, size) {
     estimate: report?.offset && report.offset_sigma[axis] < 1e3
       ? {at: -report.offset[axis] * scale(axis), sigma: report.offset_sigma[axis] * scale(axis)} : undefined}));
   const note = known.length ? [] : [element('p', {class: 'dim'}, reason ? `This image gives no profile: ${reason}.` : 'The profile of the latest image comes within two seconds.')];
-  return [element('p', {class: 'profile-title'}, 'Dependence along the camera\'s axes. Line: calibration in use; band: maximum ± 2σ; dot: latest image.'),
+  return [element('p', {class: 'profile-title'}, 'Dependence along the camera\'s axes (°, cm). Line: calibration in use; band: maximum ± 2σ; dot: latest image.'),
   ...(known.length > 2 ? [legend(known.map(([, text, colour]) => [colour, text]))] : []), ...note, element('div', {class: 'profiles'}, ...charts)];
 }

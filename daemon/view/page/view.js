@@ -63,6 +63,8 @@ const drawing = {
 const noCamera = () => emptyState('No image.', 'Add a camera: [[camera]] in drive.toml, or in the configuration of a live run (infused(8)); ' +
   'an image is shown once a sweep belongs to it.');
 const shownTime = () => shownAt === Infinity ? player.history.newest ?? 0 : shownAt;
+/** ", of 5.1 s" for a sweep or an image that is older than the time that is shown; nothing for a new one. */
+const ageText = ({stamp}) => shownTime() - seconds(stamp) > 1.5 ? `, of ${timeText(seconds(stamp))}` : '';
 
 function showHead() {
   const t = shownTime(), level = health?.level;
@@ -72,6 +74,9 @@ function showHead() {
   plan.now = shownAt;
   showStrip(health, calibrations, plan.place(), plan.origin());
   showAlerts(shownAlerts, health);
+  place('sweep').textContent = [...scene.frames.values()].map(({header}) => `${header.device}: ${header.points} returns shown, ` +
+    (header.deskewed ? 'deskewed' : 'as measured') + ageText(header)).join('; ');
+  overlays.forEach(overlay => overlay.showNote());
 }
 
 const layout = new Layout(() => {
@@ -103,9 +108,7 @@ const show = {
   sweep(frame) {
     scene.frames.set(frame.header.device, frame);
     scene.frame = frame;
-    place('sweep').textContent = [...scene.frames.values()].map(({header}) => `${header.device}: ${header.points} returns shown, ` +
-      (header.deskewed ? 'deskewed' : 'as measured')).join('; ');
-    redraw('scene', 'plan');
+    redraw('scene', 'plan', 'head');
   },
   image(frame) {
     const device = frame.header.device;

@@ -3,7 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <map>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace infuse::daemon {
 namespace {
@@ -54,6 +58,12 @@ TEST(Arguments, WrongValuesAreAnsweredWithASentence) {
     evaluate->add_option("--align", alignment)
         ->transform(CLI::CheckedTransformer(std::map<std::string, int>{{"first", 1}, {"none", 0}}));
     evaluate->add_option("--show", show)->check(CLI::IsMember({"intensity", "height"}));
+    double scale = 0, size = 0, wait = 0;
+    size_t scenes = 0;
+    evaluate->add_option("--scale", scale)->check(CLI::Range(0.05, 100.0));
+    evaluate->add_option("--size", size)->check(CLI::PositiveNumber);
+    evaluate->add_option("--wait", wait);
+    evaluate->add_option("--scenes", scenes)->type_name("N");
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());
     testing::internal::CaptureStderr();
@@ -66,6 +76,19 @@ TEST(Arguments, WrongValuesAreAnsweredWithASentence) {
   EXPECT_EQ(message({"infuse", "evaluate", "--show", "x"}),
             "infuse evaluate: --show must be one of intensity, height, not 'x' (--help lists the "
             "options)\n");
+  const std::vector<std::pair<std::array<std::string, 2>, std::string>> refused = {
+      {{"--scale", "101"}, "--scale must be between 0.05 and 100, not '101'"},
+      {{"--scale", "wrong"}, "--scale must be between 0.05 and 100, not 'wrong'"},
+      {{"--size", "0"}, "--size must be above 0, not '0'"},
+      {{"--wait", "wrong"}, "--wait must be a number, not 'wrong'"},
+      {{"--scenes", "1.5"}, "--scenes must be a whole number, not '1.5'"},
+      {{"--scenes", "-1"}, "--scenes must be at least 0, not '-1'"}};
+  for (const auto& [words, sentence] : refused) {
+    EXPECT_EQ(message({"infuse", "evaluate", words[0], words[1]}),
+              "infuse evaluate: " + sentence + " (--help lists the options)\n");
+  }
+  EXPECT_EQ(message({"infuse", "evaluate", "--scale"}),
+            "infuse evaluate: --scale needs a value (--help lists the options)\n");
   EXPECT_EQ(message({"infuse", "evaluate", "--nonsense"}),
             "infuse evaluate: unknown argument: --nonsense (--help lists the options)\n");
 }

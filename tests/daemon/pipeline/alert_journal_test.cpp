@@ -78,7 +78,7 @@ class AlertJournalTest : public testing::Test {
   }
 
   const ScratchFolder folder_;
-  const receive::FileDescriptor journal_{::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
+  const host::FileDescriptor journal_{::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
 };
 
 TEST_F(AlertJournalTest, EachAlertIsAnEntryWithPriorityAndFields) {

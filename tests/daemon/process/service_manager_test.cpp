@@ -32,7 +32,7 @@ class FakeServiceManager {
   }
 
  private:
-  receive::FileDescriptor socket_{socket(AF_UNIX, SOCK_DGRAM, 0)};
+  host::FileDescriptor socket_{socket(AF_UNIX, SOCK_DGRAM, 0)};
 };
 
 TEST(ServiceManager, IsNotifiedOfStateChanges) {

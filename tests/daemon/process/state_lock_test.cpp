@@ -20,7 +20,7 @@ TEST(StateLock, OneProcessHasAStateDirectory) {
   ASSERT_FALSE(second);
   EXPECT_NE(second.error().message().find("another infused uses this state directory"),
             std::string::npos);
-  *first = receive::FileDescriptor();
+  *first = host::FileDescriptor();
   EXPECT_TRUE(lock_state(folder.path()));
   EXPECT_TRUE(lock_state(folder / "missing"));
 }

@@ -55,7 +55,7 @@ class Flood {
   }
 
  private:
-  receive::FileDescriptor line_{posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK)};
+  host::FileDescriptor line_{posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK)};
   std::string device_;
   std::atomic<bool> stopped_ = false;
   std::thread thread_;

@@ -44,7 +44,7 @@ inline uint64_t send_capture(uint16_t port) {
   EXPECT_TRUE(made.has_value());
   auto reader = recording::PcapReader::open(path);
   EXPECT_TRUE(reader.has_value());
-  const receive::FileDescriptor socket(::socket(AF_INET, SOCK_DGRAM, 0));
+  const host::FileDescriptor socket(::socket(AF_INET, SOCK_DGRAM, 0));
   sockaddr_in receiver{};
   receiver.sin_family = AF_INET;
   receiver.sin_addr.s_addr = htonl(INADDR_LOOPBACK);

@@ -65,7 +65,7 @@ class RecordingControllerTest : public testing::Test {
     ASSERT_TRUE(server.listen(folder_ / "s"));
     auto setup = set_up_live(config_);
     ASSERT_TRUE(setup);
-    const receive::TimeBase base;
+    const host::TimeBase base;
     RecordingController controller(config_, *setup, [base] { return base.now(); });
     LivePipeline live(
         io, *std::move(setup), {config_.health, config_.odometry}, server,

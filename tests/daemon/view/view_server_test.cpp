@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -320,6 +321,35 @@ TEST_F(ViewServerTest, ProfilesGoToThePagesThatAsk) {
   }
   EXPECT_GE(frames, 1u);
   EXPECT_EQ(last, R"({"class":"SWEEP"})");
+}
+
+TEST_F(ViewServerTest, AReplayThatHasEndedStillGivesAProfile) {
+  std::atomic<bool> told = false;
+  const auto server = start([&](const ViewCommand& command) {
+    if (command.kind != ViewCommand::Kind::kOpened) told = true;
+  });
+  Page page = open(*server);
+  read(page);
+  page.write(
+      asio::buffer(std::string(R"({"profiles":false})")));  // as a page says that has a panel
+  page.write(asio::buffer(std::string(R"({"rate":1})")));
+  EXPECT_TRUE(wait_until([&] { return told.load(); }));
+  CameraImage image;
+  image.readable = true;
+  image.frame.width = 4;
+  image.frame.height = 2;
+  image.frame.pixels.resize(8);
+  const SmallSweep small(3);
+  const Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();
+  // The first poll may come after the first image, which then has no returns.
+  for (int images = 0; images < 2; ++images) {
+    tap_.add_image({image, small.snapshot(), T_camera_lidar});
+    EXPECT_EQ(Frame(read(page)).header["kind"], "image");
+  }
+  for (int times = 0; times < 2; ++times) {  // a panel that is opened again shows it again
+    page.write(asio::buffer(std::string(R"({"profiles":true})")));
+    EXPECT_EQ(Frame(read(page)).header["kind"], "profile");
+  }
 }
 
 TEST_F(ViewServerTest, ATakenPortIsAnError) {

@@ -111,7 +111,7 @@ TEST(V4l2Options, RejectInvalidValues) {
 }
 
 TEST(V4l2Source, OpenFailsWithoutACamera) {
-  const receive::TimeBase base;
+  const host::TimeBase base;
   const auto missing = V4l2Source::open({.device = "/dev/no-such-video"}, base);
   ASSERT_FALSE(missing.has_value());
   EXPECT_EQ(missing.error().where, "/dev/no-such-video");

@@ -60,7 +60,7 @@ class ScriptedCamera : public ::testing::Test {
   }
 
   ScriptedDevice device_;
-  receive::TimeBase base_;
+  host::TimeBase base_;
 };
 
 /// The same file without its Huffman tables (segments FF C4), as many cameras send it.

@@ -6,7 +6,7 @@
 
 #include <fstream>
 
-namespace infuse::receive {
+namespace infuse::host {
 namespace {
 
 class DeviceWatchTest : public testing::Test {
@@ -60,4 +60,4 @@ TEST(DeviceWatch, WithoutDevicesReportsNothing) {
 }
 
 }  // namespace
-}  // namespace infuse::receive
+}  // namespace infuse::host

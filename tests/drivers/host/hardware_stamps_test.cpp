@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace infuse::receive {
+namespace infuse::host {
 namespace {
 
 constexpr Stamp kStart = Stamp::from_ns(1'700'000'000'000'000'000);
@@ -65,4 +65,4 @@ TEST(HardwareStamps, FollowsAnInterfaceThatRestartsItsCounter) {
 }
 
 }  // namespace
-}  // namespace infuse::receive
+}  // namespace infuse::host

@@ -11,7 +11,7 @@
 
 #include "drivers/host/file_descriptor.hpp"
 
-namespace infuse::receive {
+namespace infuse::host {
 namespace {
 
 /// Control messages as the kernel writes them.
@@ -99,4 +99,4 @@ TEST(AncillaryData, IsZeroIfNothingIsReported) {
 }
 
 }  // namespace
-}  // namespace infuse::receive
+}  // namespace infuse::host

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace infuse::receive {
+namespace infuse::host {
 namespace {
 
 constexpr int64_t kSecond = 1'000'000'000;
@@ -80,4 +80,4 @@ TEST(WallStamps, RejectsAnImpossibleAge) {
 }
 
 }  // namespace
-}  // namespace infuse::receive
+}  // namespace infuse::host

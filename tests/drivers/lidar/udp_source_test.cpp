@@ -10,9 +10,9 @@ namespace {
 
 constexpr size_t kMaxDatagramBytes = 2048;
 
-using receive::FileDescriptor;
-using receive::MessageBatch;
-using receive::TimeBase;
+using host::FileDescriptor;
+using host::MessageBatch;
+using host::TimeBase;
 
 constexpr uint32_t kLoopback = 0x7F00'0001;
 constexpr uint32_t kMulticastGroup = 0xEFFF'2A01;  // 239.255.42.1

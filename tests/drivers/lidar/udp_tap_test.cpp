@@ -60,12 +60,12 @@ class Wire {
  public:
   Wire() {
     if (unshare(CLONE_NEWNET) != 0) return;
-    const receive::FileDescriptor control(socket(AF_INET, SOCK_DGRAM, 0));
+    const host::FileDescriptor control(socket(AF_INET, SOCK_DGRAM, 0));
     ifreq request{};
     std::copy_n("lo", 3, request.ifr_name);
     request.ifr_flags = IFF_UP;
     ioctl(control.get(), SIOCSIFFLAGS, &request);
-    socket_ = receive::FileDescriptor(socket(AF_PACKET, SOCK_RAW, htons(ETH_P_IP)));
+    socket_ = host::FileDescriptor(socket(AF_PACKET, SOCK_RAW, htons(ETH_P_IP)));
   }
 
   /// True if this process may make namespaces and packet sockets.
@@ -85,7 +85,7 @@ class Wire {
   }
 
  private:
-  receive::FileDescriptor socket_;
+  host::FileDescriptor socket_;
 };
 
 /// Runs a test on a thread, the only one in the new namespace.
@@ -100,7 +100,7 @@ void run_on_wire(Test test) {
   if (!usable) GTEST_SKIP() << "network namespaces and packet sockets need root";
 }
 
-UdpSource open_tap_source(const receive::TimeBase& base, size_t buffer = 1 << 20) {
+UdpSource open_tap_source(const host::TimeBase& base, size_t buffer = 1 << 20) {
   auto source = UdpSource::open({.interface = "lo", .tap = true, .receive_buffer = buffer}, base);
   EXPECT_TRUE(source) << source.error().message();
   return *std::move(source);
@@ -108,7 +108,7 @@ UdpSource open_tap_source(const receive::TimeBase& base, size_t buffer = 1 << 20
 
 TEST(UdpTap, ReceivesWhatIsAddressedToAnotherHost) {
   run_on_wire([](const Wire& wire) {
-    const receive::TimeBase base;
+    const host::TimeBase base;
     UdpSource tap = open_tap_source(base);
     auto socket = UdpSource::open({}, base);
     ASSERT_TRUE(socket);
@@ -119,7 +119,7 @@ TEST(UdpTap, ReceivesWhatIsAddressedToAnotherHost) {
     wire.send({.fragment = 0x2000});
     wire.send({.fragment = 100});
     wire.send({.payload = 0});
-    receive::MessageBatch batch(64, 2048);
+    host::MessageBatch batch(64, 2048);
     std::vector<size_t> sizes;
     const auto count = tap.read(batch, [&](const Datagram& datagram) {
       sizes.push_back(datagram.payload.size());
@@ -140,7 +140,7 @@ TEST(UdpTap, ReceivesWhatIsAddressedToAnotherHost) {
 
 TEST(UdpTap, TheKernelRejectsOtherSenders) {
   run_on_wire([](const Wire& wire) {
-    const receive::TimeBase base;
+    const host::TimeBase base;
     UdpOptions options{.interface = "lo", .tap = true};
     options.senders = {kLidar};
     auto of_lidar = UdpSource::open(options, base);
@@ -148,7 +148,7 @@ TEST(UdpTap, TheKernelRejectsOtherSenders) {
     auto of_other = UdpSource::open(options, base);
     ASSERT_TRUE(of_lidar && of_other);
     for (int i = 0; i < 200; ++i) wire.send({});
-    receive::MessageBatch batch(256, 2048);
+    host::MessageBatch batch(256, 2048);
     EXPECT_EQ(*of_lidar->read(batch, [](const Datagram&) {}), 200U);
     EXPECT_LT(*of_other->read(batch, [](const Datagram&) {}), 50U);  // 1 in 256 passes
   });
@@ -156,11 +156,11 @@ TEST(UdpTap, TheKernelRejectsOtherSenders) {
 
 TEST(UdpTap, CountsWhatTheKernelDrops) {
   run_on_wire([](const Wire& wire) {
-    const receive::TimeBase base;
+    const host::TimeBase base;
     UdpSource tap = open_tap_source(base, 20'000);
     constexpr size_t kSent = 200;
     for (size_t i = 0; i < kSent; ++i) wire.send({});
-    receive::MessageBatch batch(256, 2048);
+    host::MessageBatch batch(256, 2048);
     const size_t received = *tap.read(batch, [](const Datagram&) {});
     EXPECT_LT(received, kSent);
     wire.send({});  // with it the kernel reports what it has dropped

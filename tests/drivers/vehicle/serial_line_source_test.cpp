@@ -45,7 +45,7 @@ TEST(LineSplitter, DropsALineThatIsTooLongAndContinues) {
 
 /// A pair of pseudo-terminals: bytes written to one are read from the other.
 struct PseudoTerminal {
-  receive::FileDescriptor main{posix_openpt(O_RDWR | O_NOCTTY)};
+  host::FileDescriptor main{posix_openpt(O_RDWR | O_NOCTTY)};
   std::string device;
 
   PseudoTerminal() {
@@ -67,7 +67,7 @@ bool wait_for(const SerialLineSource& source) {
 
 TEST(SerialLineSource, ReadsLinesAndReportsHangUp) {
   auto terminal = std::make_unique<PseudoTerminal>();
-  auto source = SerialLineSource::open({terminal->device, 9600}, receive::TimeBase());
+  auto source = SerialLineSource::open({terminal->device, 9600}, host::TimeBase());
   ASSERT_TRUE(source.has_value()) << source.error().message();
   std::vector<std::string> lines;
   const auto note = [&](Stamp, std::string_view line) { lines.emplace_back(line); };
@@ -82,7 +82,7 @@ TEST(SerialLineSource, ReadsLinesAndReportsHangUp) {
 }
 
 TEST(SerialLineSource, RejectsNonSerialDevices) {
-  const receive::TimeBase base;
+  const host::TimeBase base;
   EXPECT_FALSE(SerialLineSource::open({"/dev/null", 9600}, base).has_value());
   EXPECT_FALSE(SerialLineSource::open({"/dev/no-such-device", 9600}, base).has_value());
   EXPECT_TRUE((SerialOptions{"/dev/ttyUSB0", 1234}.invalid()));

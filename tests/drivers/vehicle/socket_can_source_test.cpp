@@ -73,7 +73,7 @@ TEST(SocketCan, ClampsATooLargeLength) {
 }
 
 TEST(SocketCan, ReportsMissingInterface) {
-  const auto source = SocketCanSource::open({.interface = "nosuchcan0"}, receive::TimeBase());
+  const auto source = SocketCanSource::open({.interface = "nosuchcan0"}, host::TimeBase());
   ASSERT_FALSE(source.has_value());
   EXPECT_FALSE(source.error().what.empty());
   EXPECT_TRUE(SocketCanOptions{.interface = ""}.invalid());

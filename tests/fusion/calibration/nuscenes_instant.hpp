@@ -18,7 +18,7 @@
 namespace infuse::nuscenes {
 
 /// A camera's image, its intrinsics and its published place.
-struct Picture {
+struct Shot {
   std::string name;
   CameraFrame frame;
   CameraIntrinsics intrinsics;
@@ -27,7 +27,7 @@ struct Picture {
 
 struct Instant {
   Sweep sweep;
-  std::vector<Picture> pictures;
+  std::vector<Shot> shots;
 };
 
 /// An HDL-32E's sweep as nuScenes stores it: x, y, z, intensity 0 … 255, ring, all float32, in
@@ -74,19 +74,19 @@ inline Instant read_instant(const std::filesystem::path& folder) {
     if (entry.path().extension() == ".bin") instant.sweep = read_sweep(entry.path());
   }
   for (const auto& [name, entry] : calib.at("images").items()) {
-    Picture& picture = instant.pictures.emplace_back();
-    picture.name = name;
+    Shot& shot = instant.shots.emplace_back();
+    shot.name = name;
     const auto image =
         calibration::kitti::read_bytes(folder / entry.at("img_path").get<std::string>());
-    EXPECT_TRUE(camera::decode_image(image, {}, picture.frame)) << name;
+    EXPECT_TRUE(camera::decode_image(image, {}, shot.frame)) << name;
     const nlohmann::json& K = entry.at("cam2img");
-    picture.intrinsics = {.width = picture.frame.width,
-                          .height = picture.frame.height,
-                          .fx = K[0][0].get<double>(),
-                          .fy = K[1][1].get<double>(),
-                          .cx = K[0][2].get<double>(),
-                          .cy = K[1][2].get<double>()};
-    picture.T_camera_lidar = matrix(entry.at("lidar2cam"));
+    shot.intrinsics = {.width = shot.frame.width,
+                       .height = shot.frame.height,
+                       .fx = K[0][0].get<double>(),
+                       .fy = K[1][1].get<double>(),
+                       .cx = K[0][2].get<double>(),
+                       .cy = K[1][2].get<double>()};
+    shot.T_camera_lidar = matrix(entry.at("lidar2cam"));
   }
   return instant;
 }

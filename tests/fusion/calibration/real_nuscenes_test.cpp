@@ -19,16 +19,16 @@ struct NuscenesRig {
 NuscenesRig read_rig(const std::filesystem::path& folder) {
   const nuscenes::Instant instant = nuscenes::read_instant(folder);
   NuscenesRig rig;
-  for (const nuscenes::Picture& picture : instant.pictures) {
-    if (rig.cameras.empty()) rig.T_refcam_lidar = picture.T_camera_lidar;
-    const geometry::CameraModel model(picture.intrinsics);
-    auto scene = make_scene(instant.sweep, picture.frame,
-                            {.rings = features::ring_directions(model, picture.T_camera_lidar)});
-    EXPECT_TRUE(scene) << picture.name;
+  for (const nuscenes::Shot& shot : instant.shots) {
+    if (rig.cameras.empty()) rig.T_refcam_lidar = shot.T_camera_lidar;
+    const geometry::CameraModel model(shot.intrinsics);
+    auto scene = make_scene(instant.sweep, shot.frame,
+                            {.rings = features::ring_directions(model, shot.T_camera_lidar)});
+    EXPECT_TRUE(scene) << shot.name;
     if (!scene) continue;
     scene->camera = rig.cameras.size();
-    scene->name = picture.name;
-    rig.cameras.push_back({model, picture.T_camera_lidar * rig.T_refcam_lidar.inverse()});
+    scene->name = shot.name;
+    rig.cameras.push_back({model, shot.T_camera_lidar * rig.T_refcam_lidar.inverse()});
     rig.scenes.push_back(std::move(*scene));
   }
   return rig;

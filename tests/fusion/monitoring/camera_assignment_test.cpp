@@ -19,8 +19,8 @@ constexpr double kNoise = 0.02;  // nats per return, of the order of a detector'
 class RealRig {
  public:
   explicit RealRig(const std::filesystem::path& folder) : instant_(nuscenes::read_instant(folder)) {
-    for (const nuscenes::Picture& picture : instant_.pictures) {
-      placed_.push_back({picture.name, picture.intrinsics, 0, picture.T_camera_lidar});
+    for (const nuscenes::Shot& shot : instant_.shots) {
+      placed_.push_back({shot.name, shot.intrinsics, 0, shot.T_camera_lidar});
     }
   }
 
@@ -28,7 +28,7 @@ class RealRig {
   const std::string& name(size_t camera) const { return placed_[camera].name; }
 
   /// Names of the cameras whose images the cameras seem to deliver, where camera k delivers the
-  /// picture `images[k]`.
+  /// shot `images[k]`.
   std::vector<std::string> images_of(const std::vector<size_t>& images) const {
     const DriftDetectorOptions soon{.false_alarm_hours = 1e-3};  // 5 nats
     CameraAssignment assignment(placed_, soon, {}, kMaxPoints);
@@ -42,7 +42,7 @@ class RealRig {
       features::RingDirections rings;
       features::find_ring_directions(model, placed_[k].T_camera_lidar, step, rings);
       CameraFrame grey;
-      camera::to_grey(instant_.pictures[images[k]].frame, grey);
+      camera::to_grey(instant_.shots[images[k]].frame, grey);
       seen[k].build(grey, step, rings);
       points[k].select(sweep, model, placed_[k].T_camera_lidar, kMaxPoints);
       own[k] = MonitorDependence({}).evaluate(placed_[k].T_camera_lidar, seen[k].compared().fine,

@@ -25,7 +25,7 @@ struct SimulatedHost {
   }
 
   /// Both clocks at a true time.
-  receive::ClockReading read(Stamp time) const {
+  host::ClockReading read(Stamp time) const {
     return {(time - booted).count(), wall_at(time).ns()};
   }
 };

@@ -18,8 +18,8 @@ SimulatedLidar::SimulatedLidar(std::string name, uint32_t address, uint32_t conf
                                uint64_t seed)
     : name_(std::move(name)), address_(address), configured_(configured), random_(seed) {}
 
-void SimulatedLidar::restart(const receive::TimeBase& base) {
-  stamps_ = receive::WallStamps(base);
+void SimulatedLidar::restart(const host::TimeBase& base) {
+  stamps_ = host::WallStamps(base);
   clock_ = ClockModel(ClockModelOptions{});
   lock_ = lidar::SenderLock(configured_);
   counters_ = {};

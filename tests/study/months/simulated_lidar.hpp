@@ -22,7 +22,7 @@ class SimulatedLidar {
   SimulatedLidar(std::string name, uint32_t address, uint32_t configured, uint64_t seed);
 
   /// Begins a run of the daemon.
-  void restart(const receive::TimeBase& base);
+  void restart(const host::TimeBase& base);
 
   /// Delivers the second before `host.truth`.
   void deliver(const SimulatedHost& host, const FaultSchedule& faults);
@@ -45,7 +45,7 @@ class SimulatedLidar {
   Duration device_offset_{0};
   double skew_ppm_ = 12;
   Stamp skew_from_;
-  receive::WallStamps stamps_{receive::TimeBase({0, 0})};
+  host::WallStamps stamps_{host::TimeBase({0, 0})};
   ClockModel clock_{ClockModelOptions{}};
   lidar::SenderLock lock_{0};
   daemon::LidarCounters counters_;

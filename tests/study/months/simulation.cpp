@@ -163,7 +163,7 @@ void Simulation::write_config() const {
 Stamp Simulation::now() const { return base_.at_monotonic(host_.read(host_.truth).monotonic_ns); }
 
 void Simulation::start_run() {
-  base_ = receive::TimeBase(host_.read(host_.truth));
+  base_ = host::TimeBase(host_.read(host_.truth));
   raised_.clear();
   run_ =
       std::make_unique<SimulatedRun>(folder_ / "infused.toml", state(), [this] { return now(); });

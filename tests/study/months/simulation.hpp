@@ -89,7 +89,7 @@ class Simulation {
   std::filesystem::path folder_;
   FaultSchedule faults_;
   SimulatedHost host_;
-  receive::TimeBase base_;
+  host::TimeBase base_;
   SimulatedLidar top_, rear_;
   SimulatedStream front_, bus_, gnss_;
   SimulatedVehicle vehicle_;

@@ -53,7 +53,7 @@ TEST(FleetSummary, NamesTheVehicleTheDateAndTheAxis) {
   EXPECT_EQ(fleet.vehicles[0].verdict(), PoseVerdict::kOnePose);
   EXPECT_EQ(fleet.vehicles[1].verdict(), PoseVerdict::kDrift);
   EXPECT_THAT(describe(fleet.vehicles[1].cameras[0]),
-              HasSubstr("drift from 2026-03-04 on: rotation about y, +0.4"));
+              HasSubstr("drift from 2026-03-04 on: rotation about y by +0.4"));
   const Json json = to_json(fleet);
   const Json& change = json["vehicles"][1]["cameras"][0]["changes"][0];
   EXPECT_EQ(change["begins"], "2026-03-04");

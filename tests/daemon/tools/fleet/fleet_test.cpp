@@ -50,7 +50,7 @@ TEST(FleetCommand, EntriesOfDrivesBecomeASummaryAndAPage) {
   EXPECT_EQ(summary["vehicles"][0]["verdict"], "drift");
   EXPECT_EQ(summary["vehicles"][0]["cameras"][0]["changes"][0]["begins"], "2026-03-03");
   EXPECT_THAT(text::read_text(at + "fleet.html", kMaxFleetBytes).value_or(""),
-              HasSubstr("drift from 2026-03-03 on: rotation about z, +0.57"));
+              HasSubstr("drift from 2026-03-03 on: rotation about z by +0.57"));
 }
 
 TEST(FleetCommand, SaysWhatIsWrong) {
