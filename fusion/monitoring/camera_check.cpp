@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 
 namespace infuse::monitoring {
 namespace {
@@ -13,6 +14,21 @@ constexpr float kMinBaselineDetail = 1.5F;    // grey levels; cells with less ar
 constexpr double kMinBaselineDistance = 0.1;  // m between two images for the baseline
 constexpr int kDirtChecks = 12;               // number of checks over `dirty_distance`
 constexpr int kNeighbourBlocks = 5;           // blocks to each side of the surroundings
+// Share of the pixels that lie beside a strong edge: one in two hundred. As many edges change the
+// coarse detail of `kCoarseDistance` times as many pixels.
+constexpr double kEdgeShare = 0.005;
+
+/// Numbers of pixels by the size of a difference, grey levels.
+using Differences = std::array<uint32_t, 256>;
+
+/// The difference that a share of the pixels exceeds.
+double exceeded_by(const Differences& differences, double share) {
+  const double all = std::accumulate(differences.begin(), differences.end(), 0.0);
+  double above = 0;
+  size_t level = differences.size();
+  while (level > 1 && above < share * all) above += differences[--level];
+  return static_cast<double>(level);
+}
 
 uint64_t hash_of(const std::vector<uint8_t>& pixels) {
   uint64_t hash = 0xcbf29ce484222325U;
@@ -49,7 +65,7 @@ CameraCheck::Detail CameraCheck::measure(const CameraFrame& grey) {
   double sum = 0;
   double squares = 0;
   double samples = 0;
-  double fine = 0;
+  Differences fine{}, across{};
   for (int v = kCoarseDistance; v < grey.height; v += 3) {
     const uint8_t* row =
         grey.pixels.data() + static_cast<size_t>(v) * static_cast<size_t>(grey.width);
@@ -63,7 +79,8 @@ CameraCheck::Detail CameraCheck::measure(const CameraFrame& grey) {
       detail.cells[cell] += coarse;
       count[cell] += 1;
       detail.coarse += coarse;
-      fine += std::abs(here - row[u - 1]);
+      ++fine[static_cast<size_t>(std::abs(here - row[u - 1]))];
+      ++across[static_cast<size_t>(std::abs(here - row[u - kCoarseDistance]))];
       sum += here;
       squares += here * here;
       samples += 1;
@@ -72,7 +89,8 @@ CameraCheck::Detail CameraCheck::measure(const CameraFrame& grey) {
   if (samples == 0) return detail;
   for (size_t k = 0; k < count.size(); ++k) detail.cells[k] /= std::max(1.0F, count[k]);
   detail.coarse /= static_cast<float>(samples);
-  detail.fine = static_cast<float>(fine / samples);
+  detail.sharpness = static_cast<float>(exceeded_by(fine, kEdgeShare) /
+                                        exceeded_by(across, kCoarseDistance * kEdgeShare));
   detail.mean = sum / samples;
   detail.sigma = std::sqrt(std::max(0.0, squares / samples - detail.mean * detail.mean));
   return detail;
@@ -91,10 +109,8 @@ CameraFault CameraCheck::classify(const Detail& detail) const {
 }
 
 bool CameraCheck::is_blurred(const Detail& detail) const {
-  const float share = detail.fine / std::max(detail.coarse, 1e-3F);
-  const float baseline = baseline_.fine / std::max(baseline_.coarse, 1e-3F);
   return baseline_images_ >= options_.warm_up &&
-         share < static_cast<float>(options_.min_focus_ratio) * baseline;
+         detail.sharpness < static_cast<float>(options_.min_focus_ratio) * baseline_.sharpness;
 }
 
 /// Counts consecutive checks of every cell without its usual detail. The contrast of the whole
@@ -175,7 +191,7 @@ void CameraCheck::update_baseline(const Detail& detail) {
   const auto blend = [&](float& baseline, float now) { baseline += rate * (now - baseline); };
   for (size_t k = 0; k < baseline_.cells.size(); ++k) blend(baseline_.cells[k], detail.cells[k]);
   blend(baseline_.coarse, detail.coarse);
-  blend(baseline_.fine, detail.fine);
+  blend(baseline_.sharpness, detail.sharpness);
 }
 
 CameraFault CameraCheck::process(const CameraFrame& grey, double travelled) {

@@ -20,14 +20,15 @@ struct CameraCheckOptions {
   double min_detail_ratio = 0.35;  ///< share of the usual detail below which a cell has lost it
   double dirty_share =
       0.15;  ///< share of the cells without detail over `dirty_distance`: dirty lens
-  double dirty_distance = 48;    ///< m; what stays in place, or lacks detail, for so long is on the
-                                 ///< lens, or the lens itself
-  double static_share = 0.28;    ///< share of the image in which a pattern stays in place over
-                                 ///< `dirty_distance`: dirty lens; over twice and three times this
-                                 ///< distance, a half and a third suffice
-  double min_focus_ratio = 0.6;  ///< share of the usual fine detail below which focus is lost
-  int warm_up = 10;              ///< images before anything is reported: the baseline is learned
-  int confirmation_images = 4;   ///< consecutive images with the same fault before it is reported
+  double dirty_distance = 48;  ///< m; what stays in place, or lacks detail, for so long is on the
+                               ///< lens, or the lens itself
+  double static_share = 0.28;  ///< share of the image in which a pattern stays in place over
+                               ///< `dirty_distance`: dirty lens; over twice and three times this
+                               ///< distance, a half and a third suffice
+  double min_focus_ratio =
+      0.6;                      ///< share of the usual sharpness of edges below which focus is lost
+  int warm_up = 10;             ///< images before anything is reported: the baseline is learned
+  int confirmation_images = 4;  ///< consecutive images with the same fault before it is reported
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;
@@ -60,7 +61,8 @@ class CameraCheck {
   using PerBlock = std::array<Value, static_cast<size_t>(kBlockColumns) * kBlockRows>;
   struct Detail {
     PerCell<float> cells{};  ///< coarse, grey levels
-    float coarse = 0, fine = 0;
+    float coarse = 0;        // grey levels
+    float sharpness = 0;     // of edges: share of their contrast within a pixel
     double mean = 0, sigma = 0;
   };
   static Detail measure(const CameraFrame& grey);

@@ -24,7 +24,7 @@ constexpr double kStandingSpeed = 0.1;   // m/s
 constexpr double kNoStreet = 0.2;        // mean misfit above which no street explains the drive
 constexpr double kMinDriven = 200;       // m, before that is judged
 constexpr double kSameYaw = 0.5;         // rad, of hypotheses that are one place
-constexpr double kMinPossible = 0.05;    // probability of a place that is reported
+constexpr double kMinPossible = 0.05;    // of a place that is reported: one in twenty
 constexpr double kMinTurn = 0.1;         // rad between two merges, which is not noise
 
 using Vector5 = Eigen::Matrix<double, 5, 1>;

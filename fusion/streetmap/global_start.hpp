@@ -63,7 +63,7 @@ struct PossiblePlace {
 /// Places that look alike, the likeliest first; what their probabilities lack is elsewhere.
 class PossiblePlaces {
  public:
-  static constexpr size_t kMaxCount = 4;
+  static constexpr size_t kMaxCount = 4;  ///< bounds the memory
 
   /// False, and nothing changes, if there are as many already.
   bool add(const PossiblePlace& place);
