@@ -72,6 +72,7 @@ Result<VehicleSetup> set_up_vehicle(const recording::Drive& drive) {
   };
   setup.speed = device("speed", description.speed);
   setup.imu = device("imu", description.imu);
+  setup.imu_delay_sigma = to_seconds(description.imu_delay_sigma);
   setup.gnss = device("gnss", description.gnss);
   if (!description.can) return setup;
   auto decoder = make_decoder(*description.can, drive.folder,

@@ -26,6 +26,7 @@ struct VehicleSetup {
   std::vector<BusSetup> buses;  ///< by BusIndex
   std::optional<Device> speed;  ///< a speed source in addition to the buses
   std::optional<Device> imu;    ///< an IMU in addition to the buses
+  double imu_delay_sigma = 0;   ///< s, of the delay that a drive states; 0: none
   std::optional<Device> gnss;   ///< a GNSS receiver in addition to the buses
   std::vector<Error> notes;     ///< entries of the DBC file that were ignored
 

@@ -14,9 +14,12 @@ constexpr float kMinBaselineDetail = 1.5F;    // grey levels; cells with less ar
 constexpr double kMinBaselineDistance = 0.1;  // m between two images for the baseline
 constexpr int kDirtChecks = 12;               // number of checks over `dirty_distance`
 constexpr int kNeighbourBlocks = 5;           // blocks to each side of the surroundings
-// Share of the pixels that lie beside a strong edge: one in two hundred. As many edges change the
+// Share of the pixels that lie beside a strong edge: one in 200. As many edges change the
 // coarse detail of `kCoarseDistance` times as many pixels.
 constexpr double kEdgeShare = 0.005;
+// Grey levels of contrast of edges that are judged: rounding to whole levels changes their
+// sharpness by an eighth at most.
+constexpr double kMinEdge = 8;
 
 /// Numbers of pixels by the size of a difference, grey levels.
 using Differences = std::array<uint32_t, 256>;
@@ -89,8 +92,9 @@ CameraCheck::Detail CameraCheck::measure(const CameraFrame& grey) {
   if (samples == 0) return detail;
   for (size_t k = 0; k < count.size(); ++k) detail.cells[k] /= std::max(1.0F, count[k]);
   detail.coarse /= static_cast<float>(samples);
-  detail.sharpness = static_cast<float>(exceeded_by(fine, kEdgeShare) /
-                                        exceeded_by(across, kCoarseDistance * kEdgeShare));
+  const double contrast = exceeded_by(across, kCoarseDistance * kEdgeShare);
+  if (contrast >= kMinEdge)
+    detail.sharpness = static_cast<float>(exceeded_by(fine, kEdgeShare) / contrast);
   detail.mean = sum / samples;
   detail.sigma = std::sqrt(std::max(0.0, squares / samples - detail.mean * detail.mean));
   return detail;
@@ -109,7 +113,7 @@ CameraFault CameraCheck::classify(const Detail& detail) const {
 }
 
 bool CameraCheck::is_blurred(const Detail& detail) const {
-  return baseline_images_ >= options_.warm_up &&
+  return baseline_images_ >= options_.warm_up && detail.sharpness > 0 &&
          detail.sharpness < static_cast<float>(options_.min_focus_ratio) * baseline_.sharpness;
 }
 
@@ -191,6 +195,8 @@ void CameraCheck::update_baseline(const Detail& detail) {
   const auto blend = [&](float& baseline, float now) { baseline += rate * (now - baseline); };
   for (size_t k = 0; k < baseline_.cells.size(); ++k) blend(baseline_.cells[k], detail.cells[k]);
   blend(baseline_.coarse, detail.coarse);
+  if (!(detail.sharpness > 0)) return;
+  if (!(baseline_.sharpness > 0)) baseline_.sharpness = detail.sharpness;
   blend(baseline_.sharpness, detail.sharpness);
 }
 

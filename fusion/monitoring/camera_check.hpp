@@ -62,7 +62,7 @@ class CameraCheck {
   struct Detail {
     PerCell<float> cells{};  ///< coarse, grey levels
     float coarse = 0;        // grey levels
-    float sharpness = 0;     // of edges: share of their contrast within a pixel
+    float sharpness = 0;     // of edges: share of their contrast in a pixel; 0: too little contrast
     double mean = 0, sigma = 0;
   };
   static Detail measure(const CameraFrame& grey);

@@ -203,7 +203,7 @@ void OdometryFilter::update(const WheelOdometry& sample) {
     yaw_rate_delay_.add(now_, {std::nan(""), std::nan(""), sample.yaw_rate});
     const LateRate rate =
         late_rate(sample.yaw_rate, options_.yaw_rate_noise, yaw_rate_delay_.change().z(), delay,
-                  sources_[OdometrySource::kYawRate].interval);
+                  yaw_rate_delay_.interval());
     record(OdometrySource::kYawRate, state_.update_yaw_rate(rate.value, rate.noise),
            &OdometryState::reset_rotation_covariance);
   }
@@ -297,9 +297,8 @@ void OdometryFilter::update(const AngularVelocity& sample) {
 void OdometryFilter::update_gyro(const std::array<double, 3>& rate, double noise) {
   const Eigen::Map<const Eigen::Vector3d> measured(rate.data());
   imu_delay_.add(now_, measured);
-  const LateRate yaw =
-      late_rate(rate[2], noise, imu_delay_.change().z(), delay_of(OdometrySource::kGyro),
-                sources_[OdometrySource::kGyro].interval);
+  const LateRate yaw = late_rate(rate[2], noise, imu_delay_.change().z(),
+                                 delay_of(OdometrySource::kGyro), imu_delay_.interval());
   record(OdometrySource::kGyro,
          state_.update_gyro({rate[0], rate[1], yaw.value}, {noise, noise, yaw.noise}),
          &OdometryState::reset_rotation_covariance);
@@ -463,8 +462,10 @@ void OdometryFilter::record(OdometrySource source, bool accepted,
     return;
   }
   (state_.*reset_covariance)();
-  // A vehicle that turns does not stand. How it moves, wheels at rest do not say.
+  // A vehicle that turns, for more than a sample or two, does not stand. How it moves, wheels at
+  // rest do not say.
   if (reset_covariance != &OdometryState::reset_rotation_covariance) return;
+  if (now_ - sources_[source].rejected_since < options_.max_silence / 2) return;
   if (at_rest_since_ == Stamp::latest()) return;
   rest_refuted_ = true;
   state_.reset_speed_covariance();

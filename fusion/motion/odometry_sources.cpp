@@ -5,8 +5,6 @@
 namespace infuse::motion {
 namespace {
 
-constexpr double kIntervalShare = 0.05;  // of the newest interval in the mean
-
 constexpr OdometrySource kSpeedSources[] = {OdometrySource::kWheels, OdometrySource::kSpeed,
                                             OdometrySource::kGnssSpeed, OdometrySource::kLidar};
 constexpr OdometrySource kRotationSources[] = {OdometrySource::kYawRate, OdometrySource::kGyro,
@@ -23,10 +21,6 @@ void OdometrySources::add(OdometrySource source, bool accepted, Stamp now, bool 
                           bool rotation) {
   SourceRecord& record = records_[static_cast<size_t>(source)];
   if (accepted) {
-    if (record.last_accepted != Stamp::earliest()) {
-      const double interval = to_seconds(now - record.last_accepted);
-      record.interval += (record.interval > 0 ? kIntervalShare : 1) * (interval - record.interval);
-    }
     ++record.accepted;
     record.last_accepted = now;
     if (speed) record.last_speed = now;

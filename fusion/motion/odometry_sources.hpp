@@ -37,7 +37,6 @@ struct SourceRecord {
   Stamp last_rotation = Stamp::earliest();  ///< that measured the rotation about z, the same
   Stamp rejected_since = Stamp::latest();   ///< latest: the last sample was accepted
   uint64_t rejected_in_a_row = 0;
-  double interval = 0;  ///< s, mean between the last accepted samples
 };
 
 /// Supervision of the sources: which of them carry the odometry now.

@@ -20,6 +20,7 @@ constexpr size_t kBlocks = 120;            // bounds the memory: two minutes
 // This bounds the memory: 1 s of samples at 1 kHz. Motions wait for the latest candidate, and a
 // registration takes a few tenths of a second.
 constexpr size_t kAngles = 1024, kWaiting = 64;
+constexpr double kIntervalShare = 0.05;  // of the newest in the mean interval: one in twenty
 constexpr double kMaxRate = 35;  // rad/s: 2000 °/s, the widest range on the data sheet of a gyro
 constexpr double kTurnTimeConstant =
     0.1;  // s, derived from the lidar's turn: changes over it are what shows the delay
@@ -55,6 +56,7 @@ void RateDelay::add(Stamp stamp, const Eigen::Vector3d& measured) {
   }
   const double seconds = to_seconds(stamp - last.stamp);
   if (!(seconds > 0)) return;
+  interval_ += (interval_ > 0 ? kIntervalShare : 1) * (seconds - interval_);
   newest_ = (newest_ + 1) % kAngles;
   angle_count_ = std::min(angle_count_ + 1, kAngles);
   angles_[newest_] = {stamp, rate, last.sum + 0.5 * seconds * (last.rate + rate)};

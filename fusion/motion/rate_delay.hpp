@@ -39,6 +39,8 @@ class RateDelay {
   const SensorDelay& finish();
   /// rad/s², of the last tenths of a second; an axis that is not measured: 0.
   const Eigen::Vector3d& change() const { return change_; }
+  /// s between samples, on average over about the last twenty; gaps are left out.
+  double interval() const { return interval_; }
 
  private:
   static constexpr int kSteps = 25;  // either way: 0.25 s; bounds the work
@@ -73,6 +75,7 @@ class RateDelay {
   std::vector<Block> blocks_;  // ring; the newest is being summed
   size_t block_ = 0;
   Eigen::Vector3d slow_rate_ = Eigen::Vector3d::Zero(), change_ = Eigen::Vector3d::Zero();
+  double interval_ = 0;
   SensorDelay found_;
 };
 

@@ -24,7 +24,6 @@ constexpr double kStandingSpeed = 0.1;   // m/s
 constexpr double kNoStreet = 0.2;        // mean misfit above which no street explains the drive
 constexpr double kMinDriven = 200;       // m, before that is judged
 constexpr double kSameYaw = 0.5;         // rad, of hypotheses that are one place
-constexpr double kMinPossible = 0.05;    // of a place that is reported: one in twenty
 constexpr double kMinTurn = 0.1;         // rad between two merges, which is not noise
 
 using Vector5 = Eigen::Matrix<double, 5, 1>;
@@ -374,7 +373,7 @@ PossiblePlaces GlobalStart::possible_places() const {
   while (const auto next = likeliest(places.all())) {
     const Cluster cluster = cluster_about(*next, places.all());
     const double probability = cluster.here / (cluster.here + cluster.elsewhere);
-    if (probability < kMinPossible) break;
+    if (probability < PossiblePlaces::kMinProbability) break;
     if (!places.add({cluster.pose, cluster.covariance, probability})) break;
   }
   return places;

@@ -63,7 +63,8 @@ struct PossiblePlace {
 /// Places that look alike, the likeliest first; what their probabilities lack is elsewhere.
 class PossiblePlaces {
  public:
-  static constexpr size_t kMaxCount = 4;  ///< bounds the memory
+  static constexpr size_t kMaxCount = 4;           ///< bounds the memory
+  static constexpr double kMinProbability = 0.05;  ///< of a place that is reported: one in twenty
 
   /// False, and nothing changes, if there are as many already.
   bool add(const PossiblePlace& place);

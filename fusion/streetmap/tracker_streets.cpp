@@ -78,6 +78,7 @@ PossiblePlaces Tracker::possible_places() const {
   if (const auto second = started_ ? particles_.second_moments() : std::nullopt) {
     const PoseMoments first = particles_.moments();
     const double probability = particles_.second_mode_weight();
+    if (probability < PossiblePlaces::kMinProbability) return places;
     places.add({first.mean, first.covariance, 1 - probability});
     places.add({second->mean, second->covariance, probability});
   } else if (judges_streets()) {

@@ -40,13 +40,13 @@ motion::SensorDelay measure(SensorSetup& setup) {
 
 void find_inertial_delay(const std::filesystem::path& folder, std::vector<Error>& notes) {
   auto drive = recording::Drive::open(folder);
-  if (!drive) return;
+  if (!drive) return notes.push_back(drive.error());
   recording::DriveDescription& description = drive->description;
   if (description.imu.empty() || !description.times_trusted || description.rig.lidars.empty() ||
       !description.rig.lidars[0].is_mounting_known())
     return;
   auto setup = open_drive(folder, {}, {});
-  if (!setup) return;
+  if (!setup) return notes.push_back(setup.error());
   const motion::SensorDelay delay = measure(*setup);
   const std::string file = (folder / description.imu).string();
   if (!delay.usable()) {

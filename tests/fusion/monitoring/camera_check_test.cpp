@@ -84,6 +84,19 @@ TEST(CameraCheck, APlainWallThatIsPassedIsNoDirt) {
   }
 }
 
+// Fog: hardly a difference of grey levels is left.
+TEST(CameraCheck, WithoutContrastFocusIsNotJudged) {
+  const CameraCheck check = make_trained_check();
+  EXPECT_EQ(fault_after(check, 40,
+                        [](int k) {
+                          CameraFrame frame = make_image(k);
+                          for (uint8_t& level : frame.pixels)
+                            level = static_cast<uint8_t>(120 + level / 64);
+                          return frame;
+                        }),
+            CameraFault::kNone);
+}
+
 // A side camera passes what has no fine detail.
 TEST(CameraCheck, AShortBlurIsNoLensOutOfFocus) {
   const CameraCheck check = make_trained_check();
