@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <spdlog/fmt/fmt.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <array>
@@ -110,6 +111,12 @@ Result<MapFolder> MapFolder::hold() const {
   held.opened_ = "/proc/self/fd/" + std::to_string(folder.get());
   held.held_ = std::make_shared<const host::FileDescriptor>(std::move(folder));
   return held;
+}
+
+MapFolder::Id MapFolder::id() const {
+  struct stat about {};
+  if (::stat(opened_.c_str(), &about) != 0) return {};
+  return {about.st_dev, about.st_ino};
 }
 
 bool MapFolder::has(const std::string& name) const {

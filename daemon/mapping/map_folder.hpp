@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -40,6 +41,13 @@ class MapFolder {
   /// The folder that has the path at present: its files are read even where another folder takes
   /// the path later. Fails if it cannot be opened.
   Result<MapFolder> hold() const;
+
+  /// Tells two folders of one path apart while both are held.
+  struct Id {
+    uint64_t device = 0, inode = 0;  ///< 0: there is no folder
+    bool operator==(const Id&) const = default;
+  };
+  Id id() const;
 
   const std::filesystem::path& path() const { return path_; }
   std::string path_of(const std::string& name) const { return (path_ / name).string(); }

@@ -63,7 +63,6 @@ std::string stores_text(const Json& host) {
   return lines;
 }
 
-/// State of the tracker and why it is not TRACKING; empty but for a pose on the street map.
 /// Places of the street map that look alike: ", at one of 2 places: 60, 40 %".
 std::string alike_text(const Json& map) {
   const Json places = map.value("places", Json::array());
@@ -76,6 +75,7 @@ std::string alike_text(const Json& map) {
   return fmt::format(", at one of {} places:{} %", places.size(), text);
 }
 
+/// State of the tracker and why it is not TRACKING; empty but for a pose on the street map.
 std::string state_text(const Json& pose) {
   const std::string state = text_of(pose, "state"), doubt = text_of(pose, "doubt");
   if (state.empty()) return {};

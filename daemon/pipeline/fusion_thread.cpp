@@ -69,6 +69,9 @@ FusionThread::FusionThread(const FusionSetup& setup, SlotRing<StreamItem>& in,
       dropped_sweeps_(setup.rig.lidars.size()),
       image_counters_(setup.rig.cameras.size()) {
   maps_ = std::move(*make_map_tasks(std::move(setup_.maps)));
+  // A map that takes the place of these begins where the vehicle is, not where it started.
+  setup_.streetmap.initial_pose.reset();
+  setup_.streetmap.initial_location.reset();
   if (odometry_.uses_lidar()) lidar_motion_.emplace(setup.rig.lidars[0].T_vehicle_lidar);
   for (const LidarMount& lidar : setup.rig.lidars) {
     deskewers_.emplace_back(lidar.T_vehicle_lidar);
@@ -380,8 +383,9 @@ void FusionThread::handle(const std::shared_ptr<MapTasks>& next) {
     std::swap(maps_.street_map, next->street_map);
   }
   if (!next->places) return;
-  if (shut_down_) next->places->shut_down();
   std::swap(maps_.places, next->places);
+  if (shut_down_ && maps_.places) maps_.places->shut_down();
+  if (next->places) next->places->shut_down();  // who posted it waits for its end
 }
 
 void FusionThread::report(const PoseReport& pose) {

@@ -75,7 +75,8 @@ class FusionThread {
   /// Queues a command of the owner; from any thread.
   void post(const CalibrationCommand& command) { commands_.push(command); }
 
-  /// Makes what finds the vehicle on these maps, for `post`; from any thread.
+  /// Makes what finds the vehicle on these maps, for `post`, without the stated start; from any
+  /// thread.
   std::shared_ptr<MapTasks> make_map_tasks(Maps maps) const;
 
   /// Queues tasks that take the place of those that run, which are in `tasks` afterwards: this

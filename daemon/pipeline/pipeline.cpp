@@ -1,5 +1,9 @@
 #include "daemon/pipeline/pipeline.hpp"
 
+#include <chrono>
+#include <memory>
+#include <utility>
+
 #include "daemon/pipeline/odometry_plan.hpp"
 #include "daemon/pipeline/threads.hpp"
 
@@ -82,20 +86,16 @@ void Pipeline::start(std::function<void(std::stop_token)> read) {
   });
 }
 
-void Pipeline::replace(Maps maps) {
-  auto tasks = fusion_.make_map_tasks(std::move(maps));
-  {
-    const std::lock_guard lock(replaced_mutex_);
-    replaced_.push_back(tasks);
-  }
-  fusion_.post(std::move(tasks));
+// What was in use may have background work, whose end is waited for here: neither the fusion thread
+// nor that of `io` may wait for it.
+void Pipeline::replace(Maps maps, const std::stop_token& stop) {
+  constexpr std::chrono::milliseconds kPause{10};
+  const std::shared_ptr<MapTasks> tasks = fusion_.make_map_tasks(std::move(maps));
+  fusion_.post(tasks);
+  while (tasks.use_count() > 1 && !stop.stop_requested()) std::this_thread::sleep_for(kPause);
 }
 
 void Pipeline::drain() {
-  {
-    const std::lock_guard lock(replaced_mutex_);
-    std::erase_if(replaced_, [](const auto& tasks) { return tasks.use_count() == 1; });
-  }
   if (publisher_.drain()) notifier_.notify();
   if (!publisher_.totals().ended || !fusion_thread_.joinable()) return;
   io_thread_.join();

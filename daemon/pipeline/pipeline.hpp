@@ -2,12 +2,9 @@
 
 #include <boost/asio/io_context.hpp>
 #include <functional>
-#include <memory>
-#include <mutex>
 #include <stop_token>
 #include <string>
 #include <thread>
-#include <vector>
 
 #include "daemon/pipeline/fusion_thread.hpp"
 #include "daemon/pipeline/image_thread.hpp"
@@ -59,9 +56,9 @@ class Pipeline {
   /// Hands a command of the owner to the calibration of a camera.
   void post(const CalibrationCommand& command) { fusion_.post(command); }
 
-  /// Takes maps over, in place of those in use; from any thread. One that is empty leaves the one
-  /// in use.
-  void replace(Maps maps);
+  /// Takes maps over, in place of those in use, which are freed before this returns, unless a stop
+  /// is requested earlier. One that is empty leaves the one in use. From a thread that may wait.
+  void replace(Maps maps, const std::stop_token& stop);
 
   /// The items of the io thread, for a further reader that is registered before `start`, with a
   /// pin.
@@ -84,8 +81,6 @@ class Pipeline {
   FusionThread fusion_;
   ImageThread decoder_;
   Intake intake_;
-  std::mutex replaced_mutex_;
-  std::vector<std::shared_ptr<MapTasks>> replaced_;  // until the fusion thread has left them
   std::jthread fusion_thread_;
   std::jthread image_thread_;
   std::jthread io_thread_;

@@ -56,7 +56,6 @@ StreetMapTracker::StreetMapTracker(const StreetMapSettings& settings, StreetMapF
 void StreetMapTracker::go_on_from(const StreetMapTracker& before) {
   motion_ = before.motion_;
   next_update_ = before.next_update_;
-  tracker_ = std::make_unique<streetmap::Tracker>(map_.map, settings_.tracker);
   const streetmap::TrackerEstimate estimate = before.tracker_->estimate();
   if (!before.started() || !estimate.usable()) return;
   const auto pose = moved(estimate.pose, before.map_.map.frame(), map_.map.frame());

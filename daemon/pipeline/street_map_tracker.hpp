@@ -32,9 +32,9 @@ class StreetMapTracker {
   /// `settings.invalid()` must be empty.
   StreetMapTracker(const StreetMapSettings& settings, StreetMapFile map, const Rig& rig);
 
-  /// Begins where the vehicle is on another map, which this takes the place of, instead of the
-  /// configured pose: at that pose where both maps have latitude and longitude or are of one frame
-  /// and it is not LOST, else without one.
+  /// Begins where the vehicle is on another map, which this takes the place of: at that pose where
+  /// both maps have latitude and longitude or are of one frame and it is not LOST, else without
+  /// one. Requires `!started()`: settings without a pose.
   void go_on_from(const StreetMapTracker& before);
 
   /// Adds a fix. It is used at the next sweep; of a map without latitude and longitude, never.

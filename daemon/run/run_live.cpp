@@ -9,7 +9,7 @@
 
 #include "daemon/command_line/version.hpp"
 #include "daemon/history/history_writer.hpp"
-#include "daemon/mapping/place_map.hpp"
+#include "daemon/mapping/map_folder.hpp"
 #include "daemon/metrics/metrics_feed.hpp"
 #include "daemon/mqtt/mqtt_feed.hpp"
 #include "daemon/pipeline/alert_log.hpp"
@@ -17,6 +17,7 @@
 #include "daemon/process/state_lock.hpp"
 #include "daemon/sensors/live_pipeline.hpp"
 #include "daemon/service/daemon_host.hpp"
+#include "daemon/service/map_replacement.hpp"
 #include "daemon/service/map_watch.hpp"
 #include "daemon/service/ptp_clocks.hpp"
 #include "daemon/service/service_lifecycle.hpp"
@@ -53,29 +54,21 @@ std::vector<std::unique_ptr<MapWatch>> watch_maps(const Config& config, const Da
                                                   Pipeline& pipeline, ViewServer* view) {
   std::vector<std::unique_ptr<MapWatch>> watches;
   if (!config.streetmap.map.empty()) {
-    const auto replace = [&config, &pipeline, view](const std::stop_token&) {
-      return open_street_map(config).map([&](const StreetMapFile& map) {
-        pipeline.replace({.street_map = map});
-        if (view != nullptr) view->set_map(map);
-        return map.digest;
-      });
+    const auto use = [&pipeline, view](const StreetMapFile& map, const std::stop_token& stop) {
+      pipeline.replace({.street_map = map}, stop);
+      if (view != nullptr) view->set_map(map);
     };
     watches.push_back(std::make_unique<MapWatch>("streetmap", config.resolve(config.streetmap.map),
-                                                 host.street_map_digest(), replace));
+                                                 host.street_map_digest(),
+                                                 replace_street_map(config, use)));
   }
   if (config.map.directory.empty()) return watches;
-  const auto replace = [&config, &pipeline](const std::stop_token& stop) -> Result<std::string> {
-    auto opened = open_place_map(config);
-    if (!opened) return tl::unexpected(opened.error());
-    OpenedPlaces& places = **opened;
-    if (const auto whole = check_clouds(places.map, stop); !whole) {
-      return tl::unexpected(whole.error());
-    }
-    pipeline.replace({.places = std::move(places.map)});
-    return places.digest;
+  const auto use = [&pipeline](places::PlaceMap map, const std::stop_token& stop) {
+    pipeline.replace({.places = std::move(map)}, stop);
   };
   watches.push_back(std::make_unique<MapWatch>(
-      "map", config.resolve(config.map.directory) / map_file::kMap, host.places_digest(), replace));
+      "map", config.resolve(config.map.directory) / map_file::kMap, host.places_digest(),
+      replace_place_map(config, host.places_folder(), use)));
   return watches;
 }
 
@@ -121,6 +114,7 @@ int run_live(const RunOptions& options, const Config& config) {
   LivePipeline live(
       host.io(), *std::move(setup), pipeline_options, host.server(), [&] { on_end(); }, base,
       recordings.tap());
+  pipeline_options.maps = {};  // the pipeline has them, until others take their place
   Publisher& publisher = live.publisher();
 
   // Who listens to it, and who asks it.

@@ -126,10 +126,12 @@ RecordingPlan RecordingController::make_plan(Stamp now) const {
 }
 
 Result<void> RecordingController::begin(RecordingPlan plan, Stamp now) {
-  publish_updates();  // the end of the previous recording
   if (auto created = create_directory(); !created) return created;
   auto recording = Recording::begin(std::move(plan), now);
   if (!recording) return tl::unexpected(recording.error());
+  if (raised_failure_) publisher_->publish_alert({now, kDaemonDevice, false, *raised_failure_});
+  raised_failure_.reset();
+  publish_updates();  // the end of the previous recording, whose failure is raised anew
   const RecordReport report = recording->report();
   recorder_->begin(*std::move(recording));
   spdlog::info("recording into {} ({})", report.folder, report.cause);
@@ -137,8 +139,6 @@ Result<void> RecordingController::begin(RecordingPlan plan, Stamp now) {
     spdlog::info("not recorded: {}", omission);
   end_published_ = false;
   publisher_->publish_record(report);
-  if (raised_failure_) publisher_->publish_alert({now, kDaemonDevice, false, *raised_failure_});
-  raised_failure_.reset();
   return {};
 }
 
@@ -166,7 +166,8 @@ void RecordingController::on_alert(const AlertReport& alert) {
   plan.until = now + settings_.after_alert;
   if (const auto begun = begin(std::move(plan), now); !begun) {
     spdlog::error("cannot record the alert: {}", begun.error().message());
-    return raise_failure_alert(now, "an alert is not recorded: " + begun.error().message());
+    return raise_failure_alert(now, "an alert is not recorded: " + begun.error().message(),
+                               directory_);
   }
   alert_pause_.begin(alert.device + "." + alert.finding.id, now);
 }
@@ -192,10 +193,11 @@ void RecordingController::publish_report(const RecordReport& report) {
   spdlog::info("{}: {:.1f} s, {:.1f} MB, {} lost{}{}", report.folder, to_seconds(report.duration),
                static_cast<double>(report.bytes) * 1e-6, report.lost,
                report.reason.empty() ? "" : ": ", report.reason);
-  if (report.name.starts_with(kAlertPrefix)) announce(report);
   if (report.failed) {
-    raise_failure_alert(report.stamp, "a recording ended prematurely: " + report.reason);
+    raise_failure_alert(report.stamp, "a recording ended prematurely: " + report.reason,
+                        directory_);
   }
+  if (report.name.starts_with(kAlertPrefix)) announce(report);
 }
 
 /// Lets who takes recordings off the vehicle know (systemd/infuse-upload.path), if there is one.
@@ -209,17 +211,19 @@ void RecordingController::announce(const RecordReport& report) {
   const auto written =
       recording::write_file_atomically(spool / report.name, std::as_bytes(std::span(line)), 0640);
   if (!written) {
-    raise_failure_alert(report.stamp, report.name +
-                                          " is not in the spool, and stays on the vehicle: " +
-                                          written.error().message());
+    raise_failure_alert(report.stamp,
+                        report.name + " is not in the spool, and stays on the vehicle: " +
+                            written.error().message(),
+                        spool);
   }
 }
 
-// Raised once, until a recording begins.
-void RecordingController::raise_failure_alert(Stamp stamp, const std::string& what) {
+// Raised once, until the next recording begins.
+void RecordingController::raise_failure_alert(Stamp stamp, const std::string& what,
+                                              const std::filesystem::path& folder) {
   if (raised_failure_) return;
   raised_failure_ =
-      make_finding(kRecordAlert, stamp, {what, "free space on the disk of " + directory_.string()});
+      make_finding(kRecordAlert, stamp, {what, "free space on the disk of " + folder.string()});
   publisher_->publish_alert({stamp, kDaemonDevice, true, *raised_failure_});
 }
 

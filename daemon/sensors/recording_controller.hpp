@@ -61,7 +61,8 @@ class RecordingController {
   void on_alert(const AlertReport& alert);
   void publish_report(const RecordReport& report);
   void announce(const RecordReport& report);
-  void raise_failure_alert(Stamp stamp, const std::string& what);
+  void raise_failure_alert(Stamp stamp, const std::string& what,
+                           const std::filesystem::path& folder);
 
   RecordSettings settings_;
   const std::function<Stamp()> now_;

@@ -5,6 +5,7 @@
 
 #include <csignal>
 #include <random>
+#include <utility>
 
 #include "daemon/command_line/version.hpp"
 #include "daemon/mapping/place_map.hpp"
@@ -56,7 +57,7 @@ Result<std::optional<OpenedPlaces>> open_place_map(const Config& config) {
   if (!map) return tl::unexpected(map.error());
   auto digest = map_digest(*folder);
   if (!digest) return tl::unexpected(digest.error());
-  return OpenedPlaces{*std::move(map), *std::move(digest)};
+  return OpenedPlaces{*std::move(map), *std::move(digest), folder->id()};
 }
 
 DaemonHost::DaemonHost(const Config& config, const std::filesystem::path& state_folder)
@@ -70,15 +71,17 @@ tl::expected<void, StartError> DaemonHost::open(Rig& rig, const std::string& soc
   for (const std::string& note : calibrations_.restore(rig)) spdlog::info("{}", note);
   auto map = open_street_map(config_);
   if (!map) return tl::unexpected(StartError{map.error(), kUnreadable});
-  map_ = *std::move(map);
+  street_map_digest_ = map->digest;
+  maps_.street_map = *std::move(map);
   auto places = open_place_map(config_);
   if (!places) return tl::unexpected(StartError{places.error(), kUnreadable});
   if (*places) {
-    places_ = std::move((*places)->map);
+    maps_.places = std::move((*places)->map);
     places_digest_ = std::move((*places)->digest);
+    places_folder_ = (*places)->folder;
   }
   const std::string& lidar = config_.map.lidar;
-  if (places_ && !lidar.empty() && rig.find_lidar(lidar) == nullptr) {
+  if (maps_.places && !lidar.empty() && rig.find_lidar(lidar) == nullptr) {
     return tl::unexpected(StartError{{"[map] names a lidar that is not there", lidar, ""}, kUsage});
   }
   if (const auto listening = listen_for_clients(server_, socket, config_.socket); !listening) {
@@ -87,11 +90,11 @@ tl::expected<void, StartError> DaemonHost::open(Rig& rig, const std::string& soc
   return {};
 }
 
-PipelineOptions DaemonHost::pipeline_options() const {
+PipelineOptions DaemonHost::pipeline_options() {
   return {.health = config_.health,
           .odometry = config_.odometry,
           .streetmap = config_.streetmap,
-          .maps = {map_, places_},
+          .maps = std::exchange(maps_, {}),
           .calibration = config_.calibration,
           .places_lidar = config_.map.lidar};
 }

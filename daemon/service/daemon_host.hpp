@@ -10,6 +10,7 @@
 #include "daemon/calibration/calibration_ledger.hpp"
 #include "daemon/command_line/exit_code.hpp"
 #include "daemon/config/config.hpp"
+#include "daemon/mapping/map_folder.hpp"
 #include "daemon/pipeline/pipeline.hpp"
 #include "daemon/server/server.hpp"
 #include "daemon/streetmap/street_map_file.hpp"
@@ -26,6 +27,7 @@ struct StartError {
 struct OpenedPlaces {
   places::PlaceMap map;
   std::string digest;
+  MapFolder::Id folder;  ///< that its clouds are read from
 };
 
 /// Opens the configured street map; an empty map if none is configured. Fails if the file is
@@ -57,8 +59,9 @@ class DaemonHost {
   /// cannot be opened (kUsage).
   tl::expected<void, StartError> open(Rig& rig, const std::string& socket);
 
-  /// Options for the pipeline, from the configuration and the opened street map.
-  PipelineOptions pipeline_options() const;
+  /// Options for the pipeline, from the configuration and the opened maps, which they take: to be
+  /// called once.
+  PipelineOptions pipeline_options();
 
   /// Connects the pipeline: numbers and saves its calibrations, restores frozen ones, and decides
   /// control requests. `on_record` handles recording requests; without it they are rejected.
@@ -86,8 +89,11 @@ class DaemonHost {
   const std::optional<std::string>& calibration_damage() const { return calibrations_.damage(); }
 
   /// Digest of the street map, and of the map of keyframes, at the start; empty without it.
-  const std::string& street_map_digest() const { return map_.digest; }
+  const std::string& street_map_digest() const { return street_map_digest_; }
   const std::string& places_digest() const { return places_digest_; }
+
+  /// Folder of the map of keyframes that was opened.
+  MapFolder::Id places_folder() const { return places_folder_; }
 
   boost::asio::io_context& io() { return io_; }
   Server& server() { return server_; }
@@ -103,9 +109,9 @@ class DaemonHost {
   std::string calibrations_problem_;
   CommandHandler on_command_;
   RequestHandler on_record_;
-  StreetMapFile map_;
-  std::optional<places::PlaceMap> places_;
-  std::string places_digest_;
+  Maps maps_;
+  std::string street_map_digest_, places_digest_;
+  MapFolder::Id places_folder_;
 };
 
 /// Opens the sockets for clients: the service manager's, or else `socket`, the configured path, or

@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <exception>
 #include <utility>
 
 #include "daemon/process/crash_note.hpp"
@@ -21,9 +22,7 @@ MapWatch::MapWatch(std::string name, std::filesystem::path file, std::string dig
                    Replace replace)
     : file_(std::move(file)),
       in_use_{std::move(name), std::move(digest), ""},
-      replace_(std::move(replace)),
-      looked_at_(mark()),
-      seen_(looked_at_) {}
+      replace_(std::move(replace)) {}
 
 MapWatch::Mark MapWatch::mark() const {
   struct stat about {};
@@ -44,21 +43,26 @@ void MapWatch::poll(Clock::time_point now) {
   if (changed) pause_ = std::chrono::seconds(0);
   looked_at_ = seen_;
   due_ = Clock::time_point::max();
-  looking_ = std::async(std::launch::async, [this] {
-    ::pthread_setname_np(::pthread_self(), "maps");
-    use_crash_stack();
-    const sched_param none{};
-    ::pthread_setschedparam(::pthread_self(), SCHED_IDLE, &none);
-    return replace_(stop_.get_token());
-  });
+  looking_ =
+      std::async(std::launch::async, [this, in_use = in_use_.digest]() -> Result<std::string> {
+        ::pthread_setname_np(::pthread_self(), "maps");
+        use_crash_stack();
+        const sched_param none{};
+        ::pthread_setschedparam(::pthread_self(), SCHED_IDLE, &none);
+        try {
+          return replace_(in_use, stop_.get_token());
+        } catch (const std::exception& failed) {  // no memory, no thread
+          return fail(std::string("cannot be put in use: ") + failed.what(), file_.string());
+        }
+      });
 }
 
 void MapWatch::settle(Clock::time_point now) {
   const auto found = looking_.get();
   if (!found) {
     if (in_use_.problem != found.error().message()) {
-      spdlog::warn("{} {} stays in use; what lies in its place is not: {}", in_use_.name,
-                   in_use_.digest, found.error().message());
+      spdlog::warn("the new {} is refused: {}; {} stays in use", in_use_.name,
+                   found.error().message(), in_use_.digest);
     }
     in_use_.problem = found.error().message();
     pause_ = std::clamp(2 * pause_, kMinRetry, kMaxRetry);
@@ -67,6 +71,7 @@ void MapWatch::settle(Clock::time_point now) {
   }
   in_use_.problem.clear();
   pause_ = std::chrono::seconds(0);
+  due_ = Clock::time_point::max();
   const std::string before = std::exchange(in_use_.digest, *found);
   if (before != *found) spdlog::info("{} {} takes the place of {}", in_use_.name, *found, before);
 }

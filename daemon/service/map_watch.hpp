@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <future>
+#include <optional>
 #include <stop_token>
 #include <string>
 
@@ -18,9 +19,11 @@ namespace infuse::daemon {
 class MapWatch {
  public:
   using Clock = std::chrono::steady_clock;
-  /// Reads and checks the map that lies in place, puts it in use, and returns its digest; soon
-  /// after a stop was requested, an error. Runs on a thread of its own with the lowest priority.
-  using Replace = std::function<Result<std::string>(const std::stop_token& stop)>;
+  /// Reads and checks the map that lies in place, puts it in use unless it is the one that is, of
+  /// the digest `in_use`, and returns its digest; soon after a stop was requested, anything. Runs
+  /// on a thread of its own with the lowest priority.
+  using Replace =
+      std::function<Result<std::string>(const std::string& in_use, const std::stop_token& stop)>;
 
   /// `file`: the file of the map that a new map replaces last. `digest`: of the map in use.
   MapWatch(std::string name, std::filesystem::path file, std::string digest, Replace replace);
@@ -29,7 +32,8 @@ class MapWatch {
   MapWatch(const MapWatch&) = delete;
   MapWatch& operator=(const MapWatch&) = delete;
 
-  /// To be called each second. A change that has lasted from one call to the next is looked at.
+  /// To be called each second. A change that has lasted from one call to the next is looked at; at
+  /// first what lies there, which may have changed since the map was opened.
   void poll(Clock::time_point now);
 
   /// What was refused is tried again at the next `poll`.
@@ -53,7 +57,8 @@ class MapWatch {
   std::filesystem::path file_;
   MapInUse in_use_;
   Replace replace_;
-  Mark looked_at_, seen_;
+  std::optional<Mark> looked_at_;  // nothing: not yet
+  Mark seen_;
   Clock::time_point due_ = Clock::time_point::max();  // of the next look without a change
   std::chrono::seconds pause_{0};                     // before it
   std::stop_source stop_;

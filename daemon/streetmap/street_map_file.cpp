@@ -1,6 +1,11 @@
 #include "daemon/streetmap/street_map_file.hpp"
 
+#include <sys/stat.h>
+
 #include <cctype>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <map>
 #include <memory>
 #include <span>
@@ -82,10 +87,33 @@ Result<GeneratedStreetMap> make_from_openstreetmap(const std::filesystem::path& 
 }  // namespace
 
 Result<StreetMapFile> open_street_map_file(const std::filesystem::path& path) {
-  constexpr size_t kMaxBytes = size_t{1} << 35;  // SegmentMapWriter's limit is half of it
-  auto read = text::read_text(path, kMaxBytes);
-  if (!read) return tl::unexpected(read.error());
-  const auto bytes = std::make_shared<const std::string>(*std::move(read));
+  // At a replacement two maps are in memory; the service has 2 GB (systemd/infused.service).
+  constexpr size_t kMaxBytes = size_t{512} << 20;
+  const auto file = text::open_regular_file(path);
+  if (!file) return tl::unexpected(file.error());
+  const auto unreadable = [&] {
+    return fail(std::string("cannot be read: ") + std::strerror(errno), path.string());
+  };
+  struct stat about {};
+  if (::fstat(::fileno(file->get()), &about) != 0) return unreadable();
+  const auto file_bytes = static_cast<size_t>(about.st_size);
+  const auto bytes = std::make_shared<std::string>();
+  const auto read_to = [&](size_t end) {
+    const size_t begin = bytes->size();
+    bytes->resize(end);
+    bytes->resize(begin + std::fread(bytes->data() + begin, 1, end - begin, file->get()));
+  };
+  read_to(streetmap::SegmentMap::kHeaderBytes);
+  const auto checked = streetmap::SegmentMap::check_header(std::as_bytes(std::span(*bytes)),
+                                                           file_bytes, path.string());
+  if (!checked) return tl::unexpected(checked.error());
+  if (file_bytes > kMaxBytes) {
+    return fail("is longer than " + std::to_string(kMaxBytes) + " bytes", path.string(),
+                "make it of larger cells or a smaller area");
+  }
+  bytes->reserve(file_bytes);
+  read_to(file_bytes);
+  if (std::ferror(file->get()) != 0) return unreadable();
   auto map = streetmap::SegmentMap::open(std::as_bytes(std::span(*bytes)), path.string());
   if (!map) return tl::unexpected(map.error());
   return StreetMapFile{bytes, *map, text::checksum(*bytes)};

@@ -22,7 +22,8 @@ struct StreetMapFile {
   std::string digest;                        ///< `text::checksum` of the bytes
 };
 
-/// Reads a file that `infuse streetmap` wrote. Fails if it is missing, damaged or truncated.
+/// Reads a file that `infuse streetmap` wrote. Fails if it is missing, damaged or truncated,
+/// or has more than 512 MiB; a large file of another kind is not read.
 Result<StreetMapFile> open_street_map_file(const std::filesystem::path& path);
 
 /// Settings of `make_street_map`.

@@ -48,8 +48,8 @@ struct Header {
   uint64_t data_bytes = 0;  // bytes
   uint64_t checksum = 0;    // CRC-32 of the header with a checksum of 0, and of the rest
 };
-constexpr size_t kHeaderBytes = sizeof(Header);
-static_assert(kHeaderBytes == 96);
+constexpr size_t kHeaderBytes = SegmentMap::kHeaderBytes;
+static_assert(kHeaderBytes == sizeof(Header));
 
 template <class T>
 T load(std::span<const std::byte> bytes, size_t offset) {
@@ -164,25 +164,43 @@ std::vector<uint32_t> encode_runs(std::span<const uint16_t, kCellsPerTile> cells
   return words;
 }
 
+tl::unexpected<Error> damaged(const char* what, const std::string& file) {
+  return fail(what, file, "regenerate it with infuse streetmap");
+}
+
+/// Sizes of the sections that a header states, bytes.
+struct Sections {
+  explicit Sections(const Header& header)
+      : segments(header.segment_count * kSegmentBytes),
+        blocks(block_count(header.tile_columns, header.tile_rows) * 4),
+        tiles(size_t{header.stored_blocks} * kTilesPerBlock * kTileBytes),
+        before_tiles(kHeaderBytes + segments + round_up_to_8(blocks)),
+        file(before_tiles + tiles + header.data_bytes + round_up_to_8(header.provenance_bytes)) {}
+
+  size_t segments, blocks, tiles, before_tiles, file;
+};
+
 }  // namespace
 
+Result<void> SegmentMap::check_header(std::span<const std::byte> first, size_t file_bytes,
+                                      const std::string& file) {
+  if (first.size() < kHeaderBytes) return damaged("is too short for a street map", file);
+  const auto header = load<Header>(first, 0);
+  if (const char* wrong = header_error(header)) return damaged(wrong, file);
+  const size_t stated = Sections(header).file;
+  if (file_bytes < stated) return damaged("is truncated: bytes are missing at its end", file);
+  if (file_bytes > stated) return damaged("has bytes after its end", file);
+  return {};
+}
+
 Result<SegmentMap> SegmentMap::open(std::span<const std::byte> bytes, const std::string& file) {
-  const auto damaged = [&](const char* what) {
-    return fail(what, file, "regenerate it with infuse streetmap");
-  };
-  if (bytes.size() < kHeaderBytes) return damaged("is too short for a street map");
+  if (const auto checked = check_header(bytes, bytes.size(), file); !checked) {
+    return tl::unexpected(checked.error());
+  }
   const auto header = load<Header>(bytes, 0);
-  if (const char* wrong = header_error(header)) return damaged(wrong);
-  const size_t segments = header.segment_count * kSegmentBytes;
-  const size_t blocks = block_count(header.tile_columns, header.tile_rows) * 4;
-  const size_t tiles = size_t{header.stored_blocks} * kTilesPerBlock * kTileBytes;
-  const size_t before_tiles = kHeaderBytes + segments + round_up_to_8(blocks);
-  const size_t expected =
-      before_tiles + tiles + header.data_bytes + round_up_to_8(header.provenance_bytes);
-  if (bytes.size() < expected) return damaged("is truncated: bytes are missing at its end");
-  if (bytes.size() > expected) return damaged("has bytes after its end");
+  const Sections sections(header);
   if (checksum_of(header, bytes.subspan(kHeaderBytes)) != header.checksum) {
-    return damaged("is damaged: its checksum is wrong");
+    return damaged("is damaged: its checksum is wrong", file);
   }
   SegmentMap map;
   map.frame_ = {header.georeferenced == 1,
@@ -193,14 +211,14 @@ Result<SegmentMap> SegmentMap::open(std::span<const std::byte> bytes, const std:
   map.tile_columns_ = static_cast<int>(header.tile_columns);
   map.tile_rows_ = static_cast<int>(header.tile_rows);
   map.segment_count_ = header.segment_count;
-  map.segments_ = bytes.subspan(kHeaderBytes, segments);
-  map.blocks_ = bytes.subspan(kHeaderBytes + segments, blocks);
-  map.tiles_ = bytes.subspan(before_tiles, tiles);
-  map.data_ = bytes.subspan(before_tiles + tiles, header.data_bytes);
-  const auto text =
-      bytes.subspan(before_tiles + tiles + header.data_bytes, header.provenance_bytes);
+  const size_t data = sections.before_tiles + sections.tiles;
+  map.segments_ = bytes.subspan(kHeaderBytes, sections.segments);
+  map.blocks_ = bytes.subspan(kHeaderBytes + sections.segments, sections.blocks);
+  map.tiles_ = bytes.subspan(sections.before_tiles, sections.tiles);
+  map.data_ = bytes.subspan(data, header.data_bytes);
+  const auto text = bytes.subspan(data + header.data_bytes, header.provenance_bytes);
   map.provenance_ = {reinterpret_cast<const char*>(text.data()), text.size()};
-  if (const char* wrong = map.check_tiles()) return damaged(wrong);
+  if (const char* wrong = map.check_tiles()) return damaged(wrong, file);
   return map;
 }
 

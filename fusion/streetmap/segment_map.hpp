@@ -34,8 +34,15 @@ class SegmentMap {
   static constexpr int kTileSize = 64;  ///< cells along a tile's edge
   static constexpr int kBlockSize = 8;  ///< tiles along a block's edge
 
+  static constexpr size_t kHeaderBytes = 96;  ///< before all that depends on the map
+
   /// An empty map: open land everywhere.
   SegmentMap() = default;
+
+  /// Checks the first `kHeaderBytes` of a file, and that it has as many bytes as they state: what
+  /// can be known before the rest is read. Errors as those of `open`.
+  static Result<void> check_header(std::span<const std::byte> first, size_t file_bytes,
+                                   const std::string& file);
 
   /// Opens a map in place. Checks all sizes, offsets and palettes that look-ups use and the
   /// checksum over all bytes; the error states what is wrong, with `file` as the location. The

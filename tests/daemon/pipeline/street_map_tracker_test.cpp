@@ -215,6 +215,7 @@ TEST_F(StreetMapTrackerTest, GoesOnOnAnotherMap) {
   streetmap::SegmentMapWriter writer({true, latitude, longitude, 0.2, {-500, -500}}, 1, 1);
   const auto bytes = std::make_shared<const std::vector<std::byte>>(
       writer.finish(std::vector<streetmap::Segment>(1), "").value());
+  settings_.initial_pose.reset();
   StreetMapTracker next(settings_, {{}, streetmap::SegmentMap::open(*bytes, "").value(), {}}, rig_);
   next.go_on_from(before);
   ASSERT_TRUE(next.started());

@@ -182,6 +182,7 @@ TEST_F(RecordingControllerTest, AnAlertIsRecordedWithTheDataBeforeIt) {
   EXPECT_GE(parse_sweeps(again->lines()).size(), 8U);
 }
 
+// It is found when the next recording begins, and stays raised.
 TEST_F(RecordingControllerTest, ASpoolOnAFullDiskIsSaidAndTheRecordingStays) {
   config_.record.flight_recorder = from_seconds(60);
   config_.record.after_alert = from_seconds(0.1);
@@ -190,17 +191,33 @@ TEST_F(RecordingControllerTest, ASpoolOnAFullDiskIsSaidAndTheRecordingStays) {
   const DiskFault fault(folder_ / "spool", ENOSPC);
   run([](RecordingController&) {},
       [begun = false, ticks = 0](RecordingController& controller) mutable {
-        begun = begun || controller.is_recording();
-        return begun && !controller.is_recording() && ++ticks > 1;
+        if (begun) return ++ticks > 1;
+        if (!controller.is_recording()) return false;
+        for (int wait = 0; wait < 500 && controller.is_recording(); ++wait) {
+          std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        }
+        begun = true;
+        EXPECT_TRUE(controller.handle_request({.op = Request::Op::kRecord, .name = "next"}));
+        return false;
       });
   ::unsetenv("STATE_DIRECTORY");
-  const json record = last_record();
-  EXPECT_EQ(record["state"], "ended");
-  EXPECT_TRUE(std::filesystem::exists(record["folder"].get<std::string>() + "/drive.toml"));
-  EXPECT_THAT(lines_,
-              testing::Contains(testing::AllOf(testing::HasSubstr("\"class\":\"ALERT\""),
-                                               testing::HasSubstr("is not in the spool"),
-                                               testing::HasSubstr("No space left on device"))));
+  std::vector<json> alerts;
+  for (const std::string& line : lines_) {
+    json report = json::parse(line);
+    if (report["class"] == "RECORD" && report["state"] == "ended" && report["name"] != "next") {
+      EXPECT_TRUE(std::filesystem::exists(report["folder"].get<std::string>() + "/drive.toml"));
+    }
+    if (report["class"] == "ALERT" && report.dump().find("record") != std::string::npos &&
+        report["device"] == kDaemonDevice) {
+      alerts.push_back(std::move(report));
+    }
+  }
+  EXPECT_EQ(last_record()["name"], "next");
+  ASSERT_EQ(alerts.size(), 1U);
+  EXPECT_THAT(alerts[0].dump(),
+              testing::AllOf(testing::HasSubstr("is not in the spool"),
+                             testing::HasSubstr("No space left on device"),
+                             testing::HasSubstr("on the disk of " + (folder_ / "spool").string())));
 }
 
 TEST_F(RecordingControllerTest, RefusesNamesThatLeaveTheFolder) {

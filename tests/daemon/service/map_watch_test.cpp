@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <new>
 #include <thread>
 
 #include "tests/scratch_folder.hpp"
@@ -10,22 +11,26 @@
 namespace infuse::daemon {
 namespace {
 
-/// A map whose text is its digest; "damaged" cannot be used.
+/// A map whose text is its digest; "damaged" cannot be used, nor can "huge".
 class MapWatchTest : public testing::Test {
  protected:
   MapWatchTest()
-      : watch_("map", map_in(folder_), "one",
-               [this](const std::stop_token&) { return replace(); }) {}
+      : watch_(
+            "map", map_in(folder_), "one",
+            [this](const std::string& in_use, const std::stop_token&) { return replace(in_use); }) {
+  }
 
   static std::filesystem::path map_in(const ScratchFolder& folder) {
     folder.write("m", "one");
     return folder / "m";
   }
 
-  Result<std::string> replace() {
+  Result<std::string> replace(const std::string& in_use) {
     ++looks_;
+    EXPECT_EQ(in_use, watch_.in_use().digest);
     std::string text = folder_.read("m");
     if (text == "damaged" || text.empty()) return fail("is damaged", "m");
+    if (text == "huge") throw std::bad_alloc();
     return text;
   }
 
@@ -48,9 +53,9 @@ class MapWatchTest : public testing::Test {
   MapWatch watch_;
 };
 
-TEST_F(MapWatchTest, WhatDoesNotChangeIsNotRead) {
+TEST_F(MapWatchTest, WhatDoesNotChangeIsReadOnce) {
   run(5);
-  EXPECT_EQ(looks_, 0);
+  EXPECT_EQ(looks_, 1);
   EXPECT_EQ(watch_.in_use().digest, "one");
 }
 
@@ -78,6 +83,25 @@ TEST_F(MapWatchTest, ADamagedMapIsRefusedAndTriedAgainEverMoreRarely) {
   run(4);
   EXPECT_EQ(watch_.in_use().digest, "three");
   EXPECT_EQ(watch_.in_use().problem, "");
+}
+
+TEST_F(MapWatchTest, ALookThatSucceedsIsNotRepeatedAtOnce) {
+  folder_.write("m", "damaged");
+  run(4);
+  folder_.write("m", "second");
+  for (int k = 0; k < 2; ++k)
+    watch_.poll(now_ += std::chrono::seconds(1));  // it is being looked at
+  watch_.try_again();
+  run(5);
+  EXPECT_EQ(watch_.in_use().digest, "second");
+  EXPECT_EQ(looks_, 2);
+}
+
+TEST_F(MapWatchTest, AMapForWhichMemoryIsMissingIsRefused) {
+  folder_.write("m", "huge");
+  run(4);
+  EXPECT_EQ(watch_.in_use().digest, "one");
+  EXPECT_NE(watch_.in_use().problem.find("cannot be put in use"), std::string::npos);
 }
 
 TEST_F(MapWatchTest, AMapThatIsGoneStaysInUse) {

@@ -222,6 +222,23 @@ TEST_F(StreetMapFileTest, DamagedFilesAreReported) {
   EXPECT_THAT(text.error().message(), HasSubstr("is not an infuse street map"));
 }
 
+// More than there is memory, none of which is on the disk: neither is read.
+TEST_F(StreetMapFileTest, AHugeFileIsRefusedByItsHeader) {
+  const auto made = make(way(4711, {1, 10}, "highway=residential"));
+  ASSERT_TRUE(made);
+  const auto path = folder_ / "huge.map";
+  constexpr uintmax_t kHuge = uintmax_t{1} << 40;
+  for (const bool header : {false, true}) {
+    ASSERT_TRUE(
+        recording::write_file_atomically(path, std::span(made->bytes).first(header ? 96 : 0)));
+    std::filesystem::resize_file(path, kHuge);
+    const auto opened = open_street_map_file(path);
+    ASSERT_FALSE(opened);
+    EXPECT_THAT(opened.error().message(),
+                HasSubstr(header ? "has bytes after its end" : "is not an infuse street map"));
+  }
+}
+
 TEST_F(StreetMapFileTest, AnImageNeedsAScale) {
   const auto made = make_street_map("screenshot.png", {});
   ASSERT_FALSE(made);
