@@ -24,7 +24,7 @@ struct MapFrame {
   bool operator==(const MapFrame&) const = default;  ///< of all members
 };
 
-/// Raster of segment ids, read in place from bytes that the caller keeps (a memory-mapped file):
+/// Raster of segment ids, read in place from bytes that the caller keeps (read from a file):
 /// nothing is copied, so a city opens at once. The raster is stored as tiles of 64 × 64 cells, each
 /// with a palette of its ids and its rows as runs or as 4, 8 or 16 bits per cell; segment_map.cpp
 /// defines the layout. Blocks of tiles that are open land are not stored, so that the size follows
@@ -34,7 +34,7 @@ class SegmentMap {
   static constexpr int kTileSize = 64;  ///< cells along a tile's edge
   static constexpr int kBlockSize = 8;  ///< tiles along a block's edge
 
-  static constexpr size_t kHeaderBytes = 96;  ///< before all that depends on the map
+  static constexpr size_t kHeaderBytes = 96;  ///< bytes before all that depends on the map
 
   /// An empty map: open land everywhere.
   SegmentMap() = default;
