@@ -17,8 +17,8 @@ enum class Measure {
 
 /// A measure by its short name.
 struct MeasureName {
-  const char* name;
-  Measure measure;
+  const char* name;  ///< as in options
+  Measure measure;   ///< that it names
 };
 
 /// Every measure.
