@@ -32,9 +32,14 @@ MapWatch::Mark MapWatch::mark() const {
           about.st_ctim.tv_sec * kNanosecondsPerSecond + about.st_ctim.tv_nsec};
 }
 
+bool MapWatch::looks() const {
+  return looking_.valid() &&
+         looking_.wait_for(std::chrono::seconds(0)) != std::future_status::ready;
+}
+
 void MapWatch::poll(Clock::time_point now) {
   if (looking_.valid()) {
-    if (looking_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+    if (looks()) return;
     return settle(now);
   }
   const Mark before = std::exchange(seen_, mark());

@@ -40,6 +40,8 @@ class MapWatch {
   void try_again() {
     if (!in_use_.problem.empty()) due_ = Clock::time_point::min();
   }
+  /// True while a map is being looked at.
+  bool looks() const;
 
   const MapInUse& in_use() const { return in_use_; }
 

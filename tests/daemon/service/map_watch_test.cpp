@@ -38,12 +38,8 @@ class MapWatchTest : public testing::Test {
   void run(int seconds) {
     for (int k = 0; k < seconds; ++k) {
       now_ += std::chrono::seconds(1);
-      const int before = looks_;
       watch_.poll(now_);
-      for (int wait = 0; wait < 200 && looks_ == before; ++wait) {
-        std::this_thread::sleep_for(std::chrono::microseconds(100));
-      }
-      std::this_thread::sleep_for(std::chrono::milliseconds(looks_ == before ? 0 : 2));
+      while (watch_.looks()) std::this_thread::sleep_for(std::chrono::microseconds(100));
     }
   }
 
