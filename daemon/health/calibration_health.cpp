@@ -35,8 +35,7 @@ constexpr Alert<CalibrationStatus> kCalibrationAlerts[] = {
      }},
     {{"camera_fault", Level::kError, Delays::kNone,
       "The camera is black, frozen, dirty, out of focus or late, or its images are those of "
-      "another "
-      "camera of the rig. Check camera, lens, cable and device; the calibration is left "
+      "another camera of the rig. Check camera, lens, cable and device; the calibration is left "
       "unchanged."},
      [](const CalibrationStatus& status) -> CalibrationProblem {
        if (!has_fault(status)) return {};

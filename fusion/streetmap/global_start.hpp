@@ -46,7 +46,7 @@ struct GlobalStartOptions {
 /// True if two poses are one place: within `distance` (m) and with headings within 0.5 rad.
 bool is_same_place(const PlanarPose& a, const PlanarPose& b, double distance);
 
-/// Where the vehicle is believed to be when a search begins.
+/// Where the vehicle probably is when a search begins.
 struct BelievedPlace {
   PlanarPose pose;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< x, y (m, map frame), yaw (rad)

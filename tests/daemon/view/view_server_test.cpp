@@ -281,17 +281,22 @@ TEST_F(ViewServerTest, OnlyAReplayTakesACommandAndOnlyOne) {
   EXPECT_EQ(read(page), "{}");
 }
 
+CameraImage small_image() {
+  CameraImage image;
+  image.readable = true;
+  image.frame.width = 4;
+  image.frame.height = 2;
+  image.frame.pixels.resize(8);
+  return image;
+}
+
 TEST_F(ViewServerTest, ProfilesGoToThePagesThatAsk) {
   const auto server = start();
   Page asking = open(*server), other = open(*server);
   read(asking);
   read(other);
   asking.write(asio::buffer(std::string(R"({"profiles":true})")));
-  CameraImage image;
-  image.readable = true;
-  image.frame.width = 4;
-  image.frame.height = 2;
-  image.frame.pixels.resize(8);
+  const CameraImage image = small_image();
   const SmallSweep small(3);
   const Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();
   const ImageMatch match{image, small.snapshot(), T_camera_lidar};
@@ -334,11 +339,7 @@ TEST_F(ViewServerTest, AReplayThatHasEndedStillGivesAProfile) {
       asio::buffer(std::string(R"({"profiles":false})")));  // as a page says that has a panel
   page.write(asio::buffer(std::string(R"({"rate":1})")));
   EXPECT_TRUE(wait_until([&] { return told.load(); }));
-  CameraImage image;
-  image.readable = true;
-  image.frame.width = 4;
-  image.frame.height = 2;
-  image.frame.pixels.resize(8);
+  const CameraImage image = small_image();
   const SmallSweep small(3);
   const Eigen::Isometry3d T_camera_lidar = Eigen::Isometry3d::Identity();
   // The first poll may come after the first image, which then has no returns.

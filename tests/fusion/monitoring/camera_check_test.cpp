@@ -84,7 +84,7 @@ TEST(CameraCheck, APlainWallThatIsPassedIsNoDirt) {
   }
 }
 
-// Fog: hardly a difference of grey levels is left.
+// As in fog, grey levels differ by almost nothing.
 TEST(CameraCheck, WithoutContrastFocusIsNotJudged) {
   const CameraCheck check = make_trained_check();
   EXPECT_EQ(fault_after(check, 40,
