@@ -169,7 +169,7 @@ void CalibrationMonitor::compare_places(const SweepView& sweep, double centre) {
   const double led =
       led_ ? dependence_.evaluate(led_->T_camera_lidar, planes, points_.compared(), camera_)
            : centre;
-  assignment_->add(camera_of_rig_, planes, sweep, std::max(centre, led), points_.size(),
+  assignment_->add(camera_of_rig_, planes, sweep, std::max(centre, led), points_,
                    detector_.noise());
 }
 

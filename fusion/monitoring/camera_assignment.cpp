@@ -35,14 +35,14 @@ CameraAssignment::CameraAssignment(const std::vector<PlacedCamera>& rig,
 }
 
 void CameraAssignment::add(size_t camera, const ComparedPlanes& planes, const SweepView& sweep,
-                           double own, size_t returns, double noise) {
+                           double own, const MonitorPoints& points, double noise) {
   Placed& placed = rig_[camera];
-  if (placed.others.empty() || returns == 0 || !(noise > 0)) return;
+  if (placed.others.empty() || points.size() == 0 || !(noise > 0)) return;
   Other& other = placed.others[placed.next];
   placed.next = (placed.next + 1) % placed.others.size();
   const Placed& there = rig_[other.camera];
-  points_.select(sweep, there.model, there.T_camera_lidar, max_points_);
-  const auto count = static_cast<double>(returns);
+  points_.select(sweep, points, there.model, there.T_camera_lidar, max_points_);
+  const auto count = static_cast<double>(points.size());
   other.gain =
       static_cast<double>(points_.size()) *
           dependence_.evaluate(there.T_camera_lidar, planes, points_.compared(), there.model) -

@@ -32,10 +32,10 @@ class CameraAssignment {
                    const MonitorDependence::Weights& weights, size_t max_points);
 
   /// Compares an image of camera `camera`. `own`: nats per return at its own place, or where a
-  /// search of a drift leads if that is more, of `returns` returns; `noise`:
+  /// search of a drift leads if that is more, of the returns `points`; `noise`:
   /// `DriftDetector::noise`.
   void add(size_t camera, const ComparedPlanes& planes, const SweepView& sweep, double own,
-           size_t returns, double noise);
+           const MonitorPoints& points, double noise);
 
   /// Name of the camera whose images the images of `camera` are; empty: its own. "a or b" where
   /// more than two cameras are swapped in a ring.

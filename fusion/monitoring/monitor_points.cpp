@@ -79,6 +79,19 @@ void MonitorPoints::select(const SweepView& sweep, const geometry::CameraModel& 
                            const Eigen::Isometry3d& T_camera_lidar, size_t max_points) {
   discontinuity_ = discontinuities_.compute(sweep);
   reflectivity_ = relative_reflectivity_.compute(sweep.ring, sweep.range, sweep.reflectivity);
+  select_visible(sweep, camera, T_camera_lidar, max_points);
+}
+
+void MonitorPoints::select(const SweepView& sweep, const MonitorPoints& others,
+                           const geometry::CameraModel& camera,
+                           const Eigen::Isometry3d& T_camera_lidar, size_t max_points) {
+  discontinuity_ = others.discontinuity_;
+  reflectivity_ = others.reflectivity_;
+  select_visible(sweep, camera, T_camera_lidar, max_points);
+}
+
+void MonitorPoints::select_visible(const SweepView& sweep, const geometry::CameraModel& camera,
+                                   const Eigen::Isometry3d& T_camera_lidar, size_t max_points) {
   find_visible(sweep, camera, T_camera_lidar);
   const size_t count = std::min(visible_.size(), max_points);
   for (auto* quantity : {&compared_.x, &compared_.y, &compared_.z, &depth_}) {

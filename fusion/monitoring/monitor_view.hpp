@@ -84,6 +84,10 @@ class MonitorPoints {
   /// features are sorted into bins of equal filling.
   void select(const SweepView& sweep, const geometry::CameraModel& camera,
               const Eigen::Isometry3d& T_camera_lidar, size_t max_points);
+  /// The same with the features of this sweep that `others` computed, and keeps meanwhile.
+  void select(const SweepView& sweep, const MonitorPoints& others,
+              const geometry::CameraModel& camera, const Eigen::Isometry3d& T_camera_lidar,
+              size_t max_points);
 
   size_t size() const { return compared_.size(); }
   const ComparedReturns& compared() const { return compared_; }
@@ -98,6 +102,8 @@ class MonitorPoints {
   std::span<const float> reflectivity() const { return reflectivity_; }
 
  private:
+  void select_visible(const SweepView& sweep, const geometry::CameraModel& camera,
+                      const Eigen::Isometry3d& T_camera_lidar, size_t max_points);
   void find_visible(const SweepView& sweep, const geometry::CameraModel& camera,
                     const Eigen::Isometry3d& T_camera_lidar);
   void sort_into_bins(std::span<const float> feature, std::vector<uint8_t>& bins);

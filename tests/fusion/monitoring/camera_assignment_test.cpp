@@ -51,7 +51,7 @@ class RealRig {
     constexpr size_t kRounds = 7;  // of 0.85 nats each, for each of five others
     for (size_t round = 0; round < kRounds * (size() - 1); ++round) {
       for (size_t k = 0; k < size(); ++k) {
-        assignment.add(k, seen[k].compared().fine, sweep, own[k], points[k].size(), kNoise);
+        assignment.add(k, seen[k].compared().fine, sweep, own[k], points[k], kNoise);
       }
     }
     std::vector<std::string> found;
