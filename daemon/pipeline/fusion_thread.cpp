@@ -72,7 +72,11 @@ FusionThread::FusionThread(const FusionSetup& setup, SlotRing<StreamItem>& in,
   // A map that takes the place of these begins where the vehicle is, not where it started.
   setup_.streetmap.initial_pose.reset();
   setup_.streetmap.initial_location.reset();
-  if (odometry_.uses_lidar()) lidar_motion_.emplace(setup.rig.lidars[0].T_vehicle_lidar);
+  const bool checks_rest =
+      setup.has_odometry && !setup.rig.lidars.empty() && setup.rig.lidars[0].is_mounting_known();
+  if (odometry_.uses_lidar() || checks_rest) {
+    lidar_motion_.emplace(setup.rig.lidars[0].T_vehicle_lidar);
+  }
   for (const LidarMount& lidar : setup.rig.lidars) {
     deskewers_.emplace_back(lidar.T_vehicle_lidar);
   }
@@ -184,8 +188,9 @@ void FusionThread::process_due_sweeps() {
 // one. An image between two sweeps is matched with the nearer one.
 void FusionThread::process_sweep(Pin<StreamItem> item) {
   odometry_.process_until(end_of(item->sweep));
-  const SweepSnapshot snapshot =
-      measures_motion(item->lidar) ? measure_motion(*item) : deskew(*item);
+  const bool measures = measures_motion(item->lidar);
+  if (lidar_motion_ && item->lidar == LidarIndex(0) && !measures) lidar_motion_->restart();
+  const SweepSnapshot snapshot = measures ? measure_motion(*item) : deskew(*item);
   report_sweep(snapshot);
   localise(snapshot);
   show(snapshot);

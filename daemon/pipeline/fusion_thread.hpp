@@ -92,7 +92,9 @@ class FusionThread {
   void process_due_sweeps();
   void process_sweep(Pin<StreamItem> item);
   bool is_behind(Duration lateness) const;
-  bool measures_motion(LidarIndex lidar) const { return lidar_motion_ && lidar == 0; }
+  bool measures_motion(LidarIndex lidar) const {
+    return lidar_motion_ && lidar == 0 && odometry_.wants_lidar();
+  }
   SweepSnapshot measure_motion(const StreamItem& item);
   SweepSnapshot deskew(const StreamItem& item);
   void report_sweep(const SweepSnapshot& snapshot);

@@ -26,6 +26,13 @@ LidarMotion::LidarMotion(const Eigen::Isometry3d& T_vehicle_lidar)
       measured_motion_({.capacity = 2, .max_gap = Duration(10'000'000'000)}),
       lidar_trajectory_(T_vehicle_lidar) {}
 
+void LidarMotion::restart() {
+  if (lidar_odometry_.map_voxels() > 0) lidar_odometry_.reset();
+  followed_.reset();
+  last_registered_ = Stamp::earliest();
+  map_deskewed_ = false;
+}
+
 // Wheels that slip for a moment, or come now and then, change nothing: each change begins a map.
 bool LidarMotion::by_wheels(bool has_wheels, Stamp now) {
   constexpr Duration kChangeAfter{2'000'000'000};

@@ -25,6 +25,9 @@ class LidarMotion {
  public:
   explicit LidarMotion(const Eigen::Isometry3d& T_vehicle_lidar);
 
+  /// Forgets the sweeps until now, while the motion is not measured.
+  void restart();
+
   /// Measures the motion until the end of a sweep and adds it to odometry, whose time is that end.
   /// `deskewed` is the sweep as of its end, deskewed by prediction, and may be deskewed again by
   /// what was measured; `deskew()` deskews it by odometry. Returns true if the motion was measured.

@@ -42,6 +42,7 @@ OdometryTracker::OdometryTracker(const OdometrySettings& settings,
                                  const Eigen::Isometry3d& T_vehicle_lidar)
     : filter_(filter_options(settings)),
       uses_lidar_(settings.use_lidar.value_or(false)),
+      standstill_speed_(settings.filter.standstill_speed),
       gyro_axes_(T_vehicle_lidar.linear()),
       use_gnss_speed_(settings.use_gnss_speed),
       max_heading_sigma_(settings.max_heading_sigma),
@@ -50,6 +51,7 @@ OdometryTracker::OdometryTracker(const OdometrySettings& settings,
 
 void OdometryTracker::add(const VehicleSample& sample) {
   if (const auto* wheels = std::get_if<WheelOdometry>(&sample)) {
+    see_rest(*wheels);
     filter_.add(*wheels);
   } else if (const auto* imu = std::get_if<ImuSample>(&sample)) {
     has_inertial_unit_ = true;
@@ -59,6 +61,18 @@ void OdometryTracker::add(const VehicleSample& sample) {
   } else if (const auto* readings = std::get_if<GyroReadings>(&sample)) {
     add_gyros(*readings);
   }
+}
+
+void OdometryTracker::see_rest(const WheelOdometry& sample) {
+  bool measured = false, rest = true;
+  const auto look = [&](double speed) {
+    if (!std::isfinite(speed)) return;
+    measured = true;
+    rest = rest && std::abs(speed) <= standstill_speed_;
+  };
+  std::for_each(sample.wheel_speed.begin(), sample.wheel_speed.end(), look);
+  look(sample.speed);
+  if (measured) wheels_rest_ = rest;
 }
 
 // An inertial unit of the vehicle is better, and the filter has the biases of one unit only.

@@ -21,6 +21,9 @@ class OdometryTracker {
 
   /// True if the motion that a lidar measures is added.
   bool uses_lidar() const { return uses_lidar_; }
+  /// True if it is wanted now: also while wheels rest, for a vehicle that is carried stands by its
+  /// wheels, and a gyro does not contradict them on a straight way.
+  bool wants_lidar() const { return uses_lidar_ || wheels_rest_; }
 
   /// Adds a sample; samples of different sensors may be out of order by the reordering time.
   void add(const VehicleSample& sample);
@@ -67,10 +70,13 @@ class OdometryTracker {
 
  private:
   void add_gyros(const GyroReadings& readings);
+  void see_rest(const WheelOdometry& sample);
   const char* reason_at(Stamp now) const;
 
   motion::OdometryFilter filter_;
   bool uses_lidar_;
+  double standstill_speed_;   // m/s
+  bool wheels_rest_ = false;  // by the last sample
   motion::GyroAxes gyro_axes_;  // of the lidar
   bool has_inertial_unit_ = false;
   bool use_gnss_speed_;

@@ -77,9 +77,11 @@ class WheelTrial {
     if (sources_.gnss && i % std::lround(kGnssInterval / kTurnOfLidar) == 0) {
       odometry_.add(sensors_.gnss(to));
     }
-    odometry_.mark(motion::seconds(to), sources_.lidar);
+    const bool lidar = odometry_.wants_lidar();
+    odometry_.mark(motion::seconds(to), lidar);
     odometry_.process_until(motion::seconds(to));
-    if (sources_.lidar && i > 1) odometry_.add(sensors_.lidar(from, to));
+    if (lidar && lidar_before_) odometry_.add(sensors_.lidar(from, to));
+    lidar_before_ = lidar;
     // A view belongs to the place where it was made.
     while (next_view_ < views_.size() && views_[next_view_].seconds <= lying_.route_seconds(to)) {
       double at = to;
@@ -162,6 +164,7 @@ class WheelTrial {
   double scale_ = 1, yaw_bias_ = 0, last_update_ = 0;
   Eigen::Vector2d gnss_error_{0, 0};
   size_t next_view_ = 0;
+  bool lidar_before_ = false;  // it measured the last turn too
   WheelRun result_;
 };
 
