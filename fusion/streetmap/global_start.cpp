@@ -1,6 +1,5 @@
 #include "fusion/streetmap/global_start.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,41 +7,26 @@
 #include <numbers>
 
 #include "fusion/geometry/plane_length.hpp"
+#include "fusion/streetmap/street_directions.hpp"
 
 namespace infuse::streetmap {
 namespace {
 
-constexpr int kDirections = 16;          // within half a turn
-constexpr double kStartReach = 12;       // m, of free street ahead and behind
-constexpr double kMinFreeLength = 14;    // m, ahead and behind together
-constexpr double kStartYawSigma = 0.12;  // rad
-constexpr double kMergeDistance = 2;     // m, edge of the bins in which hypotheses are one
-constexpr double kMergeYaw = 0.1;        // rad
-constexpr double kMergeEvery = 10;       // m driven
-constexpr double kStepYaw = 0.3;         // rad turned between two comparisons
-constexpr double kStandingSpeed = 0.1;   // m/s
-constexpr double kNoStreet = 0.2;        // mean misfit above which no street explains the drive
-constexpr double kMinDriven = 200;       // m, before that is judged
-constexpr double kSameYaw = 0.5;         // rad, of hypotheses that are one place
-constexpr double kMinTurn = 0.1;         // rad between two merges, which is not noise
-
-using Vector5 = Eigen::Matrix<double, 5, 1>;
+constexpr double kMergeDistance = 2;    // m, edge of the bins in which hypotheses are one
+constexpr double kMergeYaw = 0.1;       // rad
+constexpr double kMergeEvery = 10;      // m driven
+constexpr double kStepYaw = 0.3;        // rad turned between two comparisons
+constexpr double kStandingSpeed = 0.1;  // m/s
+constexpr double kNoStreet = 0.2;       // mean misfit above which no street explains the drive
+constexpr double kMinDriven = 200;      // m, before that is judged
+constexpr double kSameYaw = 0.5;        // rad, of hypotheses that are one place
+constexpr double kNearby =
+    1500;  // m around a believed place, of a large map that is searched first
+constexpr double kMinTurn = 0.1;  // rad between two merges, which is not noise
 
 double log_add(double a, double b) {
   const double high = std::max(a, b);
   return high + std::log1p(std::exp(std::min(a, b) - high));
-}
-
-/// Free street ahead and behind, along each direction of half a turn.
-std::array<double, kDirections> free_lengths(const StreetGrid& grid, const Eigen::Vector2d& p) {
-  std::array<double, kDirections> lengths{};
-  for (int i = 0; i < kDirections; ++i) {
-    const double yaw = i * std::numbers::pi / kDirections;
-    lengths[static_cast<size_t>(i)] =
-        grid.free_length({p.x(), p.y(), yaw}, kStartReach) +
-        grid.free_length({p.x(), p.y(), yaw + std::numbers::pi}, kStartReach);
-  }
-  return lengths;
 }
 
 uint64_t bin_of(const StreetHypothesis& hypothesis) {
@@ -56,30 +40,6 @@ uint64_t bin_of(const StreetHypothesis& hypothesis) {
 
 }  // namespace
 
-std::optional<std::string> GlobalStartOptions::invalid() const {
-  if (!(spacing >= 1 && spacing <= 20 && step > 0.1 && step <= 10 && independent_length >= step)) {
-    return "global_start: spacing must be between 1 and 20 m, step at most 10 m and the "
-           "independent length";
-  }
-  if (max_hypotheses < 1000 || max_hypotheses > 1000000) {
-    return "global_start: max_hypotheses must be between 1000 and 1000000";
-  }
-  if (!(street_sigma > 0 && max_misfit > 0 && max_log_odds > 0 && max_sigma > 0)) {
-    return "global_start: sigmas and limits must be positive";
-  }
-  if (!(believed_radius >= 0 && believed_log_odds >= 0 && believed_log_odds < max_log_odds)) {
-    return "global_start: believed_radius must be at least 0, believed_log_odds between 0 and "
-           "max_log_odds";
-  }
-  if (!(max_elsewhere > 0 && max_elsewhere < 1 && max_mean_misfit > 0 && min_alone >= 0)) {
-    return "global_start: max_elsewhere must be between 0 and 1, max_mean_misfit be positive";
-  }
-  if (!(turn_worth >= 0 && turn_worth <= 1000) || max_witnessed < 0 || max_witnessed > 1000) {
-    return "global_start: turn_worth and max_witnessed must be between 0 and 1000";
-  }
-  return std::nullopt;
-}
-
 bool PossiblePlaces::add(const PossiblePlace& place) {
   if (count_ == kMaxCount) return false;
   places_[count_++] = place;
@@ -91,72 +51,42 @@ bool is_same_place(const PlanarPose& a, const PlanarPose& b, double distance) {
          std::abs(wrap_angle(a.yaw - b.yaw)) <= kSameYaw;
 }
 
-void predict(StreetHypothesis& hypothesis, const PlanarPose& motion,
-             const Eigen::Matrix3d& covariance, double seconds) {
-  PlanarPose& pose = hypothesis.pose;
-  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-  R.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(pose.yaw).toRotationMatrix();
-  const Eigen::Vector2d measured = R.topLeftCorner<2, 2>() * Eigen::Vector2d(motion.x, motion.y);
-  const Eigen::Vector2d moved = hypothesis.scale * measured;
-  StreetHypothesis::Matrix F = StreetHypothesis::Matrix::Identity();
-  F(0, 2) = -moved.y();
-  F(1, 2) = moved.x();
-  F(0, 3) = measured.x();
-  F(1, 3) = measured.y();
-  F(2, 4) = seconds;
-  pose.x += moved.x();
-  pose.y += moved.y();
-  pose.yaw = wrap_angle(pose.yaw + motion.yaw + hypothesis.yaw_rate_bias * seconds);
-  hypothesis.covariance = F * hypothesis.covariance * F.transpose();
-  hypothesis.covariance.topLeftCorner<3, 3>() += R * covariance * R.transpose();
-}
-
-void compare(StreetHypothesis& hypothesis, const StreetGrid& grid, double novelty,
-             const GlobalStartOptions& options) {
-  PlanarPose& pose = hypothesis.pose;
-  const auto street = grid.across(pose, hypothesis.level);
-  if (!street) {
-    hypothesis.log_weight -= novelty * options.max_misfit;
-    hypothesis.misfit += novelty * options.max_misfit;
-    return;
-  }
-  Vector5 h = Vector5::Zero();  // the position across the heading, by the state
-  h[0] = -std::sin(pose.yaw);
-  h[1] = std::cos(pose.yaw);
-  const Vector5 Ph = hypothesis.covariance * h;
-  const double variance = h.dot(Ph), edge = options.street_sigma * options.street_sigma;
-  // A position on the street is uniform across it. Its variance is that of independent evidence.
-  const double width = street->half_width();
-  const double noise = (width * width / 3 + edge) / novelty;
-  const double innovation = street->centre(), outside = street->distance();
-  hypothesis.misfit +=
-      novelty * std::min(options.max_misfit, outside * outside / (edge + variance));
-  hypothesis.log_weight -=
-      std::min(novelty * options.max_misfit, innovation * innovation / (2 * (variance + noise)));
-  const Vector5 gain = Ph / (variance + noise);
-  const Vector5 change = gain * innovation;
-  pose.x += change[0];
-  pose.y += change[1];
-  pose.yaw = wrap_angle(pose.yaw + change[2]);
-  hypothesis.scale += change[3];
-  hypothesis.yaw_rate_bias += change[4];
-  hypothesis.covariance -= gain * Ph.transpose();
-}
-
 GlobalStart::GlobalStart(const SegmentMap& map, const GlobalStartOptions& options)
     : options_(options), grid_(map) {
   hypotheses_.reserve(static_cast<size_t>(options.max_hypotheses));
   bins_.reserve(static_cast<size_t>(options.max_hypotheses));
+  spacing_ = spread_in(everywhere());
+  if (spacing_) return;
+  seeds_.emplace(options);
+  pending_.reserve(StreetSeeds::kMaxTrack);
+}
+
+GlobalStart::Cells GlobalStart::everywhere() const { return {0, 0, grid_.columns(), grid_.rows()}; }
+
+GlobalStart::Cells GlobalStart::near(const PlanarPose& pose) const {
+  const Eigen::Vector2d corner = grid_.middle(0, 0);
+  const auto cell = [](double metres) {
+    return static_cast<int>(std::clamp(metres / StreetGrid::kCell, -1e6, 1e6));
+  };
+  return {std::max(cell(pose.x - corner.x() - kNearby), 0),
+          std::max(cell(pose.y - corner.y() - kNearby), 0),
+          std::min(cell(pose.x - corner.x() + kNearby), grid_.columns()),
+          std::min(cell(pose.y - corner.y() + kNearby), grid_.rows())};
 }
 
 void GlobalStart::restart(const std::optional<BelievedPlace>& believed) {
   collected_ = compared_ = {};
+  pending_.clear();
   since_merge_ = driven_ = 0;
   count_alone(false);
-  const auto capacity = static_cast<size_t>(options_.max_hypotheses);
-  for (double spacing = options_.spacing;; spacing *= 1.25) {
-    spread(spacing);
-    if (hypotheses_.size() < capacity) break;
+  seeding_ = !spacing_ && !believed;
+  if (seeding_) {
+    hypotheses_.clear();
+    seeds_->restart();
+  } else if (spacing_) {
+    spread(everywhere(), *spacing_);
+  } else {
+    spread_in(near(believed->pose));
   }
   next_ = hypotheses_.size();
   if (!believed) return;
@@ -187,33 +117,31 @@ void GlobalStart::weigh_region(const BelievedPlace& believed) {
   }
 }
 
+// The least spacing at which all streets of an area have hypotheses; nothing if that is too large.
+std::optional<double> GlobalStart::spread_in(const Cells& cells) {
+  for (double spacing = options_.spacing; spacing <= options_.max_spacing; spacing *= 1.25) {
+    spread(cells, spacing);
+    if (hypotheses_.size() < hypotheses_.capacity()) return spacing;
+  }
+  return std::nullopt;
+}
+
 // Stops when `max_hypotheses` are reached.
-void GlobalStart::spread(double spacing) {
+void GlobalStart::spread(const Cells& cells, double spacing) {
   hypotheses_.clear();
   const int every = std::max(static_cast<int>(spacing / StreetGrid::kCell), 1);
-  const auto capacity = static_cast<size_t>(options_.max_hypotheses);
-  for (int row = every / 2; row < grid_.rows(); row += every) {
-    for (int column = every / 2; column < grid_.columns(); column += every) {
+  for (int row = cells.low + every / 2; row < cells.high; row += every) {
+    for (int column = cells.left + every / 2; column < cells.right; column += every) {
       const Eigen::Vector2d p = grid_.middle(column, row);
       if (!grid_.street(p.x(), p.y())) continue;
-      const auto lengths = free_lengths(grid_, p);
-      for (size_t i = 0; i < kDirections; ++i) {
-        const double before = lengths[(i + kDirections - 1) % kDirections];
-        const double after = lengths[(i + 1) % kDirections];
-        if (lengths[i] < kMinFreeLength || lengths[i] < before || lengths[i] <= after) continue;
+      for_street_directions(grid_, p, [&](size_t, double yaw) {
         for (const double reversed : {0.0, std::numbers::pi}) {
-          if (hypotheses_.size() >= capacity) return;
-          StreetHypothesis hypothesis;
-          hypothesis.pose = {
-              p.x(), p.y(),
-              wrap_angle(static_cast<double>(i) * std::numbers::pi / kDirections + reversed)};
-          const double place = spacing * spacing / 2, yaw = kStartYawSigma * kStartYawSigma;
-          hypothesis.covariance.diagonal() << place, place, yaw,
-              options_.scale_sigma * options_.scale_sigma,
-              options_.yaw_rate_sigma * options_.yaw_rate_sigma;
-          hypotheses_.push_back(hypothesis);
+          if (hypotheses_.size() == hypotheses_.capacity()) return;
+          hypotheses_.push_back(
+              begin_hypothesis({p.x(), p.y(), wrap_angle(yaw + reversed)}, spacing, options_));
         }
-      }
+      });
+      if (hypotheses_.size() == hypotheses_.capacity()) return;
     }
   }
 }
@@ -228,26 +156,50 @@ void GlobalStart::move(const PlanarPose& motion, const Eigen::Matrix3d& covarian
   collected_.covariance(2, 2) += options_.yaw_noise * options_.yaw_noise * distance;
   collected_.seconds += seconds;
   collected_.length += distance;
-  if (next_ >= hypotheses_.size() &&
-      (collected_.length >= options_.step || std::abs(collected_.motion.yaw) > kStepYaw)) {
-    begin_comparison();
-  }
+  if (seeding_) return seed(seconds);
   go_on_comparing();
 }
 
-void GlobalStart::begin_comparison() {
-  compared_ = collected_;
-  collected_ = {};
+void GlobalStart::seed(double seconds) {
+  if (collected_.length >= options_.independent_length ||
+      std::abs(collected_.motion.yaw) > kStepYaw) {
+    seeds_->add(collected_);
+    collected_ = {};
+  }
+  if (!seeds_->search(grid_, static_cast<int>(options_.max_seeded * seconds))) return;
+  if (seeds_->found().empty()) return restart();
+  seeding_ = false;
+  hypotheses_.swap(seeds_->found());
+  pending_.assign(seeds_->since().begin(), seeds_->since().end());
+  driven_ = seeds_->driven() + collected_.length;
+  next_ = hypotheses_.size();
+}
+
+// Takes the next stretch of the drive, if there is one.
+bool GlobalStart::begin_comparison() {
+  if (!pending_.empty()) {
+    compared_ = pending_.front();
+    pending_.erase(pending_.begin());
+  } else if (collected_.length >= options_.step || std::abs(collected_.motion.yaw) > kStepYaw) {
+    compared_ = collected_;
+    collected_ = {};
+  } else {
+    return false;
+  }
   since_merge_ += compared_.length;
   turned_ += compared_.motion.yaw;
   if (since_merge_ >= kMergeEvery) {
     drop_and_merge();
     const auto found = find();
-    if (found && driven_ > kMinDriven && found->misfit > kNoStreet) return restart();
+    if (found && driven_ > kMinDriven && found->misfit > kNoStreet) {
+      restart();
+      return false;
+    }
     count_alone(found && found->elsewhere < options_.max_elsewhere);
     since_merge_ = 0;
   }
   next_ = 0;
+  return true;
 }
 
 // A turn is worth something once the streets of it lie behind, so that they can have refuted it.
@@ -260,23 +212,18 @@ void GlobalStart::count_alone(bool alone) {
 }
 
 void GlobalStart::go_on_comparing() {
-  const double novelty = std::min(compared_.length / options_.independent_length, 1.0);
-  const size_t end =
-      std::min(next_ + static_cast<size_t>(options_.max_compared), hypotheses_.size());
-  for (; next_ < end; ++next_) {
-    StreetHypothesis& hypothesis = hypotheses_[next_];
-    const Eigen::Vector2d before(hypothesis.pose.x, hypothesis.pose.y);
-    predict(hypothesis, compared_.motion, compared_.covariance, compared_.seconds);
-    hypothesis.level =
-        grid_.level_after(hypothesis.level, before, {hypothesis.pose.x, hypothesis.pose.y});
-    compare(hypothesis, grid_, novelty, options_);
+  for (int left = options_.max_compared; left > 0; --left) {
+    if (next_ >= hypotheses_.size() && !begin_comparison()) return;
+    if (next_ < hypotheses_.size()) advance(hypotheses_[next_++], grid_, compared_, options_);
   }
 }
 
 // Pose of a hypothesis with the motion that it has not been compared after.
 PlanarPose GlobalStart::now(size_t hypothesis) const {
-  const PlanarPose& pose = hypotheses_[hypothesis].pose;
-  return (hypothesis < next_ ? pose : pose.compose(compared_.motion)).compose(collected_.motion);
+  PlanarPose pose = hypotheses_[hypothesis].pose;
+  if (hypothesis >= next_) pose = pose.compose(compared_.motion);
+  for (const DriveStretch& stretch : pending_) pose = pose.compose(stretch.motion);
+  return pose.compose(collected_.motion);
 }
 
 void GlobalStart::weigh(const std::function<double(const PlanarPose&)>& evidence) {

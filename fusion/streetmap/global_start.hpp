@@ -8,40 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "fusion/streetmap/planar_pose.hpp"
-#include "fusion/streetmap/street_grid.hpp"
+#include "fusion/streetmap/street_seeds.hpp"
 
 namespace infuse::streetmap {
-
-/// Settings of `GlobalStart`.
-struct GlobalStartOptions {
-  bool enabled = true;            ///< search all streets while the place is not sure
-  double spacing = 4;             ///< m between hypotheses along and across a street
-  int max_hypotheses = 60000;     ///< the spacing grows until no more are needed
-  int max_compared = 5000;        ///< hypotheses that are compared at each motion, which bounds
-                                  ///< its time
-  double step = 2;                ///< m driven between two comparisons with the streets; longer
-                                  ///< while the hypotheses are many
-  double independent_length = 8;  ///< m driven until the next evidence is independent
-  double street_sigma = 1.5;      ///< m, of the edge of a street on the map against the drive
-  double max_misfit = 4;          ///< log-weight that independent evidence can take at most
-  double scale_sigma = 0.01;      ///< of true over measured distance
-  double yaw_rate_sigma = 0.001;  ///< rad/s, lasting error of the yaw rate
-  double yaw_noise = 0.002;       ///< rad per √m driven
-  double believed_radius = 100;   ///< m, of streets that are likelier where a pose is believed
-  double believed_log_odds = 3;   ///< of one of them against one that is further away
-  double max_log_odds = 16;       ///< a hypothesis that is worse than the best by more is dropped
-  double same_place = 15;         ///< m within which hypotheses are one place
-  double min_alone = 150;         ///< m driven while all else is improbable until the place is sure
-  double turn_worth = 40;         ///< m of it that a turn of a radian meanwhile counts for
-  int max_witnessed = 48;         ///< hypotheses that sensor data are compared with; 0: never
-  double max_mean_misfit = 0.02;  ///< misfit of independent evidence of a place that is sure
-  double max_elsewhere = 0.01;    ///< probability of all else below which the place is sure
-  double max_sigma = 6;           ///< m, of a place that is sure
-
-  /// Returns what is wrong, or nothing.
-  std::optional<std::string> invalid() const;
-};
 
 /// True if two poses are one place: within `distance` (m) and with headings within 0.5 rad.
 bool is_same_place(const PlanarPose& a, const PlanarPose& b, double distance);
@@ -85,37 +54,15 @@ struct FoundPlace {
   bool sure = false;     ///< alone for long, and misfit and sigma are within their limits
 };
 
-/// Hypothesis of the global start: a normal distribution of x, y (m), yaw (rad), the scale of the
-/// odometry and the error of its yaw rate (rad/s).
-struct StreetHypothesis {
-  using Matrix = Eigen::Matrix<double, 5, 5>;
-  PlanarPose pose;
-  int level = StreetGrid::kAnyLevel;  ///< of its street
-  double scale = 1;                   ///< true over measured distance
-  double yaw_rate_bias = 0;           ///< true minus measured
-  Matrix covariance = Matrix::Zero();
-  double log_weight = 0;
-  double misfit = 0;  ///< sum over independent evidence of the squared distance from the street
-};
-
-/// Moves a hypothesis by odometry: `motion` in the vehicle frame within `seconds`; `covariance` of
-/// its x, y, yaw.
-void predict(StreetHypothesis& hypothesis, const PlanarPose& motion,
-             const Eigen::Matrix3d& covariance, double seconds);
-
-/// Compares a hypothesis with the street of its level across it: evidence of which the share
-/// `novelty` is independent. Outside the street it loses weight, and its position across the street
-/// is corrected.
-void compare(StreetHypothesis& hypothesis, const StreetGrid& grid, double novelty,
-             const GlobalStartOptions& options);
-
 /// Finds the vehicle on a map from nothing. Hypotheses on all streets in both directions drive by
 /// the odometry; those that leave the streets lose weight and are dropped, those that meet are
 /// merged. What remains explains the drive: its turns, bends and lengths; where blocks are alike,
 /// what the sensors see decides (`weigh`). A place is sure once all others together are improbable
 /// for some way, and the drive stayed on its streets: a drive beside the streets of the map may fit
 /// one place for a while, but not for long, and seldom through a turn. Where no street fits, the
-/// search begins anew. No random numbers; the memory is that of `max_hypotheses`.
+/// search begins anew. On a large map it begins with the places that fit the first turns
+/// (`StreetSeeds`), or around where the vehicle is believed. No random numbers; the memory is that
+/// of `max_hypotheses`.
 class GlobalStart {
  public:
   /// `options.invalid()` must be empty.
@@ -151,15 +98,16 @@ class GlobalStart {
   /// The places that hypotheses are left at, each of 5 % or more.
   PossiblePlaces possible_places() const;
 
-  int hypotheses() const { return static_cast<int>(hypotheses_.size()); }
+  /// Number of hypotheses; on a large map all that there may be, until it has turned.
+  int hypotheses() const {
+    return seeding_ ? options_.max_hypotheses : static_cast<int>(hypotheses_.size());
+  }
   double driven() const { return driven_; }  ///< m since the restart
 
  private:
-  /// Odometry between two comparisons.
-  struct Stretch {
-    PlanarPose motion;
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-    double seconds = 0, length = 0;
+  /// Cells of the grid, without the last row and column.
+  struct Cells {
+    int left = 0, low = 0, right = 0, high = 0;
   };
   /// The hypotheses of one place.
   struct Cluster {
@@ -171,8 +119,12 @@ class GlobalStart {
   bool is_among(std::span<const PossiblePlace> places, const PlanarPose& pose) const;
   std::optional<size_t> likeliest(std::span<const PossiblePlace> others) const;
   void weigh_region(const BelievedPlace& believed);
-  void spread(double spacing);
-  void begin_comparison();
+  Cells everywhere() const;
+  Cells near(const PlanarPose& pose) const;
+  std::optional<double> spread_in(const Cells& cells);
+  void spread(const Cells& cells, double spacing);
+  void seed(double seconds);
+  bool begin_comparison();
   void go_on_comparing();
   PlanarPose now(size_t hypothesis) const;
   double mean_misfit(const StreetHypothesis& hypothesis) const;
@@ -186,9 +138,13 @@ class GlobalStart {
   StreetGrid grid_;
   std::vector<StreetHypothesis> hypotheses_;
   std::vector<std::pair<uint64_t, uint32_t>> bins_;  // scratch of merging
-  Stretch collected_;                                // since the last comparison began
-  Stretch compared_;                                 // of the comparison that is going on
-  size_t next_ = 0;                                  // hypothesis of that comparison
+  std::optional<double> spacing_;     // m, of hypotheses on all streets; nothing: they are too many
+  std::optional<StreetSeeds> seeds_;  // then
+  bool seeding_ = false;
+  std::vector<DriveStretch> pending_;  // of the drive, after the comparison that is going on
+  DriveStretch collected_;             // since
+  DriveStretch compared_;              // of the comparison that is going on
+  size_t next_ = 0;                    // hypothesis of that comparison
   double since_merge_ = 0, driven_ = 0, alone_ = 0;  // m
   double turned_ = 0;                                // rad, since the last merge
   std::array<double, 3> turns_{};                    // rad, between the merges before, oldest first

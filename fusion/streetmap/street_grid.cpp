@@ -1,5 +1,6 @@
 #include "fusion/streetmap/street_grid.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace infuse::streetmap {
@@ -38,7 +39,10 @@ StreetGrid::StreetGrid(const SegmentMap& map) {
   low_y_ = frame.min_corner.y();
   columns_ = static_cast<int>(std::ceil(width / kCell));
   rows_ = static_cast<int>(std::ceil(height / kCell));
-  cells_.resize(static_cast<size_t>(columns_) * static_cast<size_t>(rows_));
+  tile_columns_ = (static_cast<size_t>(columns_) + kEdge - 1) / kEdge;
+  tile_at_.resize(tile_columns_ * ((static_cast<size_t>(rows_) + kEdge - 1) / kEdge));
+  tiles_.resize(1);
+  mixed_.resize(1);
   std::vector<uint8_t> cell_of_id(map.segment_count());
   for (uint32_t id = 0; id < map.segment_count(); ++id) {
     const Segment segment = map.segment(id);
@@ -46,14 +50,40 @@ StreetGrid::StreetGrid(const SegmentMap& map) {
     has_levels_ |= segment.layer != 0 || segment.levels != StreetLevels::kOne;
   }
   std::vector<uint32_t> ids(static_cast<size_t>(map.columns()));
+  std::vector<Cells> band(tile_columns_);
   for (int row = 0; row < rows_; ++row) {
     map.read_row(0, static_cast<int>((row + 0.5) * kCell / frame.cell_size), ids);
-    uint8_t* cells = &cells_[static_cast<size_t>(row) * static_cast<size_t>(columns_)];
+    const size_t in_tile = static_cast<size_t>(row) % kEdge;
+    if (in_tile == 0) std::fill(band.begin(), band.end(), Cells{});
     for (int column = 0; column < columns_; ++column) {
       const auto i = static_cast<size_t>((column + 0.5) * kCell / frame.cell_size);
-      if (i < ids.size() && ids[i] < cell_of_id.size()) cells[column] = cell_of_id[ids[i]];
+      const auto at = static_cast<size_t>(column);
+      if (i >= ids.size() || ids[i] >= cell_of_id.size()) continue;
+      band[at / kEdge][in_tile * kEdge + at % kEdge] = cell_of_id[ids[i]];
+    }
+    if (in_tile + 1 < kEdge && row + 1 < rows_) continue;
+    for (size_t k = 0; k < tile_columns_; ++k) {
+      add_tile(static_cast<size_t>(row) / kEdge * tile_columns_ + k, band[k]);
     }
   }
+}
+
+void StreetGrid::add_tile(size_t index, const Cells& cells) {
+  Tile tile;
+  bool alike = true;
+  for (size_t i = 0; i < cells.size(); ++i) {
+    if (cells[i] == 0) continue;
+    tile.streets |= uint64_t{1} << i;
+    alike = alike && (tile.cell == 0 || tile.cell == cells[i]);
+    tile.cell = cells[i];
+  }
+  if (tile.streets == 0) return;
+  if (!alike) {
+    tile.mixed = static_cast<uint32_t>(mixed_.size());
+    mixed_.push_back(cells);
+  }
+  tile_at_[index] = static_cast<uint32_t>(tiles_.size());
+  tiles_.push_back(tile);
 }
 
 Eigen::Vector2d StreetGrid::middle(int column, int row) const {
@@ -63,8 +93,11 @@ Eigen::Vector2d StreetGrid::middle(int column, int row) const {
 uint8_t StreetGrid::cell(double x, double y) const {
   const double column = (x - low_x_) / kCell, row = (y - low_y_) / kCell;
   if (!(column >= 0 && row >= 0 && column < columns_ && row < rows_)) return 0;
-  return cells_[static_cast<size_t>(row) * static_cast<size_t>(columns_) +
-                static_cast<size_t>(column)];
+  const auto x_cell = static_cast<size_t>(column), y_cell = static_cast<size_t>(row);
+  const Tile& tile = tiles_[tile_at_[y_cell / kEdge * tile_columns_ + x_cell / kEdge]];
+  const size_t i = y_cell % kEdge * kEdge + x_cell % kEdge;
+  if ((tile.streets >> i & 1) == 0) return 0;
+  return tile.mixed == 0 ? tile.cell : mixed_[tile.mixed][i];
 }
 
 bool StreetGrid::street(double x, double y, int level) const {

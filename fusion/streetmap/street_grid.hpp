@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -20,15 +21,16 @@ struct StreetProfile {
   double distance() const { return right > 0 ? right : left < 0 ? -left : 0; }
 };
 
-/// Where a map has streets: a cell for each square metre, so that a town fits in a few megabytes
-/// and millions of look-ups a second are cheap. A street keeps its level: from a bridge no way
+/// Where a map has streets: a cell for each square metre, in tiles of which those without streets
+/// are not stored, so that a city fits in some tens of megabytes and millions of look-ups a second
+/// are cheap. A street keeps its level: from a bridge no way
 /// leads to the street below but at its ends.
 class StreetGrid {
  public:
   static constexpr int kAnyLevel = 100;        ///< not known, or where two levels are joined
   static constexpr int kBelowGround = -100;    ///< in a tunnel
   static constexpr double kCell = 1;           ///< m, edge of a cell
-  static constexpr double kMaxArea = 16e6;     ///< m², of a map that can be read
+  static constexpr double kMaxArea = 1e9;      ///< m², of a map that can be read
   static constexpr double kProfileReach = 16;  ///< m to either side
 
   /// No streets.
@@ -64,9 +66,21 @@ class StreetGrid {
 
   double low_x_ = 0, low_y_ = 0;  // m
   int columns_ = 0, rows_ = 0;
-  bool has_levels_ = false;     // more than one
-  std::vector<uint8_t> cells_;  // 0: no street; else the layer + 16 in the upper five bits, and
-                                // what there is
+  bool has_levels_ = false;  // more than one
+  /// 8 × 8 cells: where there is a street, and what, if it is the same in all of them.
+  struct Tile {
+    uint64_t streets = 0;
+    uint32_t mixed = 0;  // its cells; 0: they are alike
+    uint8_t cell = 0;    // the layer + 16 in the upper five bits, and what there is
+  };
+  static constexpr size_t kEdge = 8;  // cells
+  using Cells = std::array<uint8_t, kEdge * kEdge>;
+  void add_tile(size_t index, const Cells& cells);
+
+  size_t tile_columns_ = 0;
+  std::vector<uint32_t> tile_at_;  // 0: without streets
+  std::vector<Tile> tiles_;        // the first is empty
+  std::vector<Cells> mixed_;       // the first is not used
 };
 
 }  // namespace infuse::streetmap
