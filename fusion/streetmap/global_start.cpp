@@ -156,17 +156,18 @@ void GlobalStart::move(const PlanarPose& motion, const Eigen::Matrix3d& covarian
   collected_.covariance(2, 2) += options_.yaw_noise * options_.yaw_noise * distance;
   collected_.seconds += seconds;
   collected_.length += distance;
-  if (seeding_) return seed(seconds);
-  go_on_comparing();
+  const int many = static_cast<int>(options_.max_seeded * seconds);
+  if (seeding_) return seed(many);
+  go_on_comparing(pending_.empty() ? options_.max_compared : many);
 }
 
-void GlobalStart::seed(double seconds) {
+void GlobalStart::seed(int comparisons) {
   if (collected_.length >= options_.independent_length ||
       std::abs(collected_.motion.yaw) > kStepYaw) {
     seeds_->add(collected_);
     collected_ = {};
   }
-  if (!seeds_->search(grid_, static_cast<int>(options_.max_seeded * seconds))) return;
+  if (!seeds_->search(grid_, comparisons)) return;
   if (seeds_->found().empty()) return restart();
   seeding_ = false;
   hypotheses_.swap(seeds_->found());
@@ -211,8 +212,8 @@ void GlobalStart::count_alone(bool alone) {
   turned_ = 0;
 }
 
-void GlobalStart::go_on_comparing() {
-  for (int left = options_.max_compared; left > 0; --left) {
+void GlobalStart::go_on_comparing(int comparisons) {
+  for (; comparisons > 0; --comparisons) {
     if (next_ >= hypotheses_.size() && !begin_comparison()) return;
     if (next_ < hypotheses_.size()) advance(hypotheses_[next_++], grid_, compared_, options_);
   }

@@ -123,9 +123,9 @@ class GlobalStart {
   Cells near(const PlanarPose& pose) const;
   std::optional<double> spread_in(const Cells& cells);
   void spread(const Cells& cells, double spacing);
-  void seed(double seconds);
+  void seed(int comparisons);
   bool begin_comparison();
-  void go_on_comparing();
+  void go_on_comparing(int comparisons);
   PlanarPose now(size_t hypothesis) const;
   double mean_misfit(const StreetHypothesis& hypothesis) const;
   double half_squared_distance(const StreetHypothesis& hypothesis, const PlanarPose& at,

@@ -17,7 +17,7 @@ struct GlobalStartOptions {
   int max_compared = 5000;        ///< hypotheses that are compared at each motion, which bounds
                                   ///< its time
   double max_spacing = 10;        ///< m; where more are needed even so, the search waits for turns
-  int max_seeded = 200000;        ///< comparisons for each second of the drive meanwhile
+  int max_seeded = 500000;        ///< comparisons for each second of the drive meanwhile
   double step = 2;                ///< m driven between two comparisons with the streets; longer
                                   ///< while the hypotheses are many
   double independent_length = 8;  ///< m driven until the next evidence is independent

@@ -41,7 +41,9 @@ Tracker::Tracker(const SegmentMap& map, const TrackerOptions& options,
   if (options.global_start.enabled) global_start_.emplace(map, options.global_start);
   if (global_start_ && !global_start_->possible()) {
     global_start_.reset();
-    reason_ = "no initial pose, and the map has no streets or is too large to search all of them";
+    reason_ =
+        "no initial pose, and the map has no streets, or more than 1000 km²: cut it with infuse "
+        "streetmap --clip";
   }
   const auto samples = static_cast<size_t>(options.grid.max_samples);
   view_->reserve(options.grid.max_samples, kSegmentKindCount);

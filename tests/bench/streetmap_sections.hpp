@@ -71,6 +71,9 @@ void given_starts(std::ostream& out, const TestDrive& test_drive);
 /// From nothing: by the drive alone, and with what the sensors see.
 void from_nothing(std::ostream& out, const TestDrive& test_drive);
 
+/// The search of all streets on large maps, with as many drives on each.
+bool large_maps(std::ostream& out, int drives);
+
 /// Wheels that lie.
 void wheels(std::ostream& out, const TestDrive& test_drive);
 

@@ -54,5 +54,36 @@ TEST(OdometryTracker, SaysWhatABusAloneWantsAndThatItsHeadingIsLost) {
             std::string::npos);
 }
 
+// It stands until 4 s, and is then carried straight on.
+TEST(OdometryTracker, WhileWheelsRestALidarThatIsNotUsedOtherwiseMeasuresTheMotion) {
+  constexpr double kEnd = 14, kSweep = 0.1, kStands = 4;
+  const motion::TrueDrive drive(kEnd, [](double t) {
+    geometry::Vector6 twist = geometry::Vector6::Zero();
+    twist[3] = std::clamp(2 * (t - kStands), 0.0, 5.0);
+    return twist;
+  });
+  motion::SimulatedSensors sensors(drive, 1);
+  OdometryTracker tracker{OdometrySettings{.use_lidar = false}};
+  for (int i = 1; kSweep * i < kEnd; ++i) {
+    const double from = kSweep * (i - 1), to = kSweep * i;
+    for (int k = 1; k <= 5; ++k) {
+      WheelOdometry wheels = sensors.wheels(from + kSweep * k / 5);
+      wheels.wheel_speed.fill(0);
+      tracker.add(wheels);
+    }
+    ASSERT_TRUE(tracker.wants_lidar());
+    tracker.mark(motion::seconds(to), true);
+    tracker.process_until(motion::seconds(to));
+    if (i > 1) tracker.add(sensors.lidar(from, to));
+  }
+  const double truth = drive.pose(kEnd - kSweep).translation().x();
+  EXPECT_NEAR(tracker.predicted_pose().T_odom_vehicle.translation().x(), truth, 1);
+  EXPECT_GT(truth, 40);
+  WheelOdometry turning = sensors.wheels(1);
+  turning.wheel_speed = {3, 3, 0, 0};
+  tracker.add(turning);
+  EXPECT_FALSE(tracker.wants_lidar());
+}
+
 }  // namespace
 }  // namespace infuse::daemon

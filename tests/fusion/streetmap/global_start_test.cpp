@@ -151,6 +151,39 @@ TEST(GlobalStart, FindsTheOnlyPlaceThatFits) {
   EXPECT_LT(d.dot(place->covariance.topLeftCorner<2, 2>().inverse() * d), 9.21);
 }
 
+// A map with more streets than there may be hypotheses.
+TEST(GlobalStart, OnALargeMapItBeginsWithThePlacesThatFitTheFirstTurn) {
+  const town::Town town = irregular_town();
+  GlobalStart start(town.map, {.max_hypotheses = 1000, .max_spacing = 4});
+  start.restart();
+  const std::vector<town::Leg> legs = town::irregular_drive();
+  PlanarPose truth = drive(start, {20, -1, 0}, {legs.front()});
+  EXPECT_FALSE(start.place());
+  truth = drive(start, truth, {{60}});
+  EXPECT_LT(start.hypotheses(), 1000);
+  EXPECT_LT(start.behind(truth), 4);
+  const double left = legs[1].length - 60;
+  truth = drive(start, truth, {{left, legs[1].turn}, legs[2], legs[3], legs[4]});
+  const auto place = start.place();
+  ASSERT_TRUE(place);
+  EXPECT_TRUE(place->sure);
+  EXPECT_LT(std::hypot(place->pose.x - truth.x, place->pose.y - truth.y), 5);
+  EXPECT_GT(start.driven(), 500);
+
+  // A turn that no street has: it waits for the next.
+  start.restart();
+  drive(start, {}, {{60, 2.2}, {8, -2.2}, {8, 2.2}, {80}});
+  EXPECT_FALSE(start.place());
+  truth = drive(start, {20, -1, 0}, {legs[0], legs[1], legs[2], legs[3], legs[4]});
+  ASSERT_TRUE(start.place());
+  EXPECT_LT(start.behind(truth), 1);
+
+  // What is believed needs no turn.
+  start.restart(BelievedPlace{.pose = {20, -1, 0}});
+  EXPECT_GT(start.hypotheses(), 0);
+  EXPECT_TRUE(start.place());
+}
+
 TEST(GlobalStart, TellsThePlacesThatLookAlike) {
   // Two long carriageways, joined at both ends: turned by half a turn, the map is the same.
   const town::Town town = town::build(town::lattice({0, 400}, {0, 40}));
