@@ -75,8 +75,8 @@ class OdometryTracker {
 
   motion::OdometryFilter filter_;
   bool uses_lidar_;
-  double standstill_speed_;   // m/s
-  bool wheels_rest_ = false;  // by the last sample
+  double standstill_speed_;     // m/s
+  bool wheels_rest_ = false;    // by the last sample
   motion::GyroAxes gyro_axes_;  // of the lidar
   bool has_inertial_unit_ = false;
   bool use_gnss_speed_;

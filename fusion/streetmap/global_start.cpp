@@ -21,7 +21,7 @@ constexpr double kNoStreet = 0.2;       // mean misfit above which no street exp
 constexpr double kMinDriven = 200;      // m, before that is judged
 constexpr double kSameYaw = 0.5;        // rad, of hypotheses that are one place
 constexpr double kNearby =
-    1500;  // m around a believed place, of a large map that is searched first
+    1500;  // m around a believed place, of a map that is too large; bounds time
 constexpr double kMinTurn = 0.1;  // rad between two merges, which is not noise
 
 double log_add(double a, double b) {
@@ -172,7 +172,10 @@ void GlobalStart::seed(int comparisons) {
   seeding_ = false;
   hypotheses_.swap(seeds_->found());
   pending_.assign(seeds_->since().begin(), seeds_->since().end());
-  driven_ = seeds_->driven() + collected_.length;
+  // How well they fit is judged by the drive since: before, they came on to their streets.
+  for (StreetHypothesis& hypothesis : hypotheses_) hypothesis.misfit = 0;
+  driven_ = collected_.length;
+  for (const DriveStretch& stretch : pending_) driven_ += stretch.length;
   next_ = hypotheses_.size();
 }
 

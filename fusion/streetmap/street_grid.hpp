@@ -30,7 +30,7 @@ class StreetGrid {
   static constexpr int kAnyLevel = 100;        ///< not known, or where two levels are joined
   static constexpr int kBelowGround = -100;    ///< in a tunnel
   static constexpr double kCell = 1;           ///< m, edge of a cell
-  static constexpr double kMaxArea = 1e9;      ///< m², of a map that can be read
+  static constexpr double kMaxArea = 1e9;      ///< m², of a map that can be read; bounds memory
   static constexpr double kProfileReach = 16;  ///< m to either side
 
   /// No streets.
@@ -73,7 +73,7 @@ class StreetGrid {
     uint32_t mixed = 0;  // its cells; 0: they are alike
     uint8_t cell = 0;    // the layer + 16 in the upper five bits, and what there is
   };
-  static constexpr size_t kEdge = 8;  // cells
+  static constexpr size_t kEdge = 8;  // cells: a tile has 64 bits
   using Cells = std::array<uint8_t, kEdge * kEdge>;
   void add_tile(size_t index, const Cells& cells);
 

@@ -14,10 +14,9 @@ struct GlobalStartOptions {
   bool enabled = true;            ///< search all streets while the place is not sure
   double spacing = 4;             ///< m between hypotheses along and across a street
   int max_hypotheses = 60000;     ///< the spacing grows until no more are needed
-  int max_compared = 5000;        ///< hypotheses that are compared at each motion, which bounds
-                                  ///< its time
+  int max_compared = 5000;        ///< hypotheses that are compared at each motion; bounds time
   double max_spacing = 10;        ///< m; where more are needed even so, the search waits for turns
-  int max_seeded = 500000;        ///< comparisons for each second of the drive meanwhile
+  int max_seeded = 500000;        ///< comparisons each second of the drive meanwhile; bounds time
   double step = 2;                ///< m driven between two comparisons with the streets; longer
                                   ///< while the hypotheses are many
   double independent_length = 8;  ///< m driven until the next evidence is independent

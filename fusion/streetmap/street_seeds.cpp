@@ -10,10 +10,9 @@
 namespace infuse::streetmap {
 namespace {
 
-constexpr int kBlock = 64;          // cells along the edge of a block
-constexpr int kEvery = 4;           // cells between points: streets are as wide
-constexpr double kSeedTurn = 0.7;   // rad within kTurnLength: no bend of a through street
-constexpr double kTurnLength = 30;  // m
+constexpr int kBlock = 64;  // cells along the edge of a block, which bounds the time between checks
+constexpr double kSeedTurn = std::numbers::pi / 4;             // rad: no bend of a street
+constexpr double kTurnLength = 2 * StreetGrid::kProfileReach;  // m, within which it is
 constexpr int kBins = kBlock / static_cast<int>(StreetSeeds::kSpacing);
 
 /// m beside all streets after which a hypothesis is dropped.
@@ -72,12 +71,6 @@ void StreetSeeds::add(const DriveStretch& stretch) {
   track_.push_back(stretch);
 }
 
-double StreetSeeds::driven() const {
-  double length = 0;
-  for (size_t i = begin_; i < track_.size(); ++i) length += track_[i].length;
-  return length;
-}
-
 bool StreetSeeds::begin() {
   const auto from = before_turns(track_, turns_, refuting_length(options_));
   if (!from) return false;
@@ -110,10 +103,11 @@ int StreetSeeds::compare_block(const StreetGrid& grid, int block_column, int blo
   const int left = block_column * kBlock, low = block_row * kBlock;
   const Eigen::Vector2d corner = grid.middle(left, low);
   std::array<bool, static_cast<size_t>(kBins) * kBins * kStreetDirections> seeded{};
+  const int every = static_cast<int>(options_.spacing / StreetGrid::kCell);
   int compared = 1;
-  for (int row = low + kEvery / 2; row < std::min(low + kBlock, grid.rows()); row += kEvery) {
-    for (int column = left + kEvery / 2; column < std::min(left + kBlock, grid.columns());
-         column += kEvery) {
+  for (int row = low + every / 2; row < std::min(low + kBlock, grid.rows()); row += every) {
+    for (int column = left + every / 2; column < std::min(left + kBlock, grid.columns());
+         column += every) {
       const Eigen::Vector2d p = grid.middle(column, row);
       if (!grid.street(p.x(), p.y())) continue;
       ++compared;

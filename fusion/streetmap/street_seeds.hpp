@@ -20,7 +20,8 @@ class StreetSeeds {
   /// Allocates all memory.
   explicit StreetSeeds(const GlobalStartOptions& options);
 
-  static constexpr size_t kMaxTrack = 1024;  ///< stretches of the drive that are kept: kilometres
+  static constexpr size_t kMaxTrack =
+      1024;  ///< stretches of the drive that are kept; bounds memory
 
   /// Forgets the drive.
   void restart();
@@ -36,8 +37,6 @@ class StreetSeeds {
   std::vector<StreetHypothesis>& found() { return found_; }
   /// The drive that they have not been compared after.
   std::span<const DriveStretch> since() const { return std::span(track_).subspan(end_); }
-  /// m of the drive from where they began.
-  double driven() const;
 
  private:
   bool begin();

@@ -16,7 +16,8 @@ constexpr const char* kDocumentHeader =
     "streetmap:SECTION[=SEEDS]`:\n"
     "`one_image`, `kitti_00`, `kitti_05`, `kitti_07`, `street`, `country_road`, `motorway`, "
     "`bare`, `robot`, `wrong_initial_poses`,\n"
-    "`given_starts`, `given_starts_05`, `from_nothing`, `large_maps`, `noisy_odometry`, "
+    "`given_starts`, `given_starts_05`, `from_nothing`, `large_maps`, `alike_streets`, "
+    "`noisy_odometry`, "
     "`omission`, "
     "`wrong_maps`, `wheels`; sections that "
     "are missing below "
@@ -56,6 +57,7 @@ const std::vector<infuse::bench::Section>& sections() {
       {"given_starts_05", "Right and wrong starts, KITTI 05", 12, on("kitti_05", given_starts)},
       {"from_nothing", "From nothing", 8, on("kitti_07", from_nothing)},
       {"large_maps", "From nothing on large maps", 20, large_maps},
+      {"alike_streets", "From nothing on streets that look alike", 20, alike_streets},
       {"noisy_odometry", "Noisy odometry (I figure 3.19(b))", 20, on_short(noisy_odometry)},
       {"omission", "Omitted cross-validation (I figure 3.19(a))", 5, on_short(omission)},
       {"wrong_maps", "Wrong maps", 20, on_short(wrong_maps)},

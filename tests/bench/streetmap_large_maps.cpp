@@ -1,4 +1,5 @@
-// The search of all streets on maps of up to 300 km².
+// The search of all streets by the drive alone: on maps of up to 300 km², and on one where two
+// places look alike.
 #include <malloc.h>
 
 #include <cmath>
@@ -50,21 +51,36 @@ bool turned(const std::vector<PlanarPose>& drive, size_t at) {
   return std::abs(wrap_angle(drive[at].yaw - drive[before].yaw)) > kTurned;
 }
 
+/// Odometry of a drive, with lasting errors.
+class Odometry {
+ public:
+  explicit Odometry(uint64_t seed) : random_(seed) {
+    scale_ = 1 + 0.006 * normal_(random_);
+    rate_ = 0.001 * normal_(random_);
+  }
+
+  void move(GlobalStart& start, const PlanarPose& from, const PlanarPose& to) {
+    const double seconds = kStep / kSpeed;
+    PlanarPose motion = from.motion_to(to);
+    motion.x = scale_ * motion.x + 0.01 * normal_(random_);
+    motion.yaw += rate_ * seconds + 3e-4 * normal_(random_);
+    start.move(motion, Eigen::Vector3d(1e-4, 1e-4, 1e-7).asDiagonal(), seconds);
+  }
+
+ private:
+  std::mt19937_64 random_;
+  std::normal_distribution<double> normal_;
+  double scale_ = 1, rate_ = 0;
+};
+
 LargeRun search(GlobalStart& start, const std::vector<PlanarPose>& drive, uint64_t seed) {
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
-  const double scale = 1 + 0.006 * normal(random), rate = 0.001 * normal(random);
-  const double seconds = kStep / kSpeed;
-  const Eigen::Matrix3d noise = Eigen::Vector3d(1e-4, 1e-4, 1e-7).asDiagonal();
+  Odometry odometry(seed);
   start.restart();
   LargeRun result;
   double first_turn = -1, second_began = cpu_seconds();
   const double began = second_began;
   for (size_t i = 1; i < drive.size(); ++i) {
-    PlanarPose motion = drive[i - 1].motion_to(drive[i]);
-    motion.x = scale * motion.x + 0.01 * normal(random);
-    motion.yaw += rate * seconds + 3e-4 * normal(random);
-    start.move(motion, noise, seconds);
+    odometry.move(start, drive[i - 1], drive[i]);
     const double driven = kStep * static_cast<double>(i);
     if (first_turn < 0 && turned(drive, i)) first_turn = driven;
     if (i % static_cast<size_t>(kSpeed / kStep) != 0) continue;
@@ -78,6 +94,62 @@ LargeRun search(GlobalStart& start, const std::vector<PlanarPose>& drive, uint64
     result.after_turn = driven - first_turn;
     result.right = std::hypot(place->pose.x - drive[i].x, place->pose.y - drive[i].y) < kFound;
     break;
+  }
+  return result;
+}
+
+/// Two carriageways of 1.6 km, joined at both ends; turned by half a turn, the map is the same.
+constexpr double kRoad = 1600, kBetween = 24;  // m
+
+StreetPlan dual_carriageway() {
+  StreetPlan plan;
+  const auto add = [&](const Polyline& points) {
+    plan.strips.push_back({{SegmentKind::kCarriageway, 1}, points, 3.5, 0.4});
+  };
+  add({{0, 0}, {kRoad, 0}});
+  add({{0, kBetween}, {kRoad, kBetween}});
+  add({{0, 0}, {0, kBetween}});
+  add({{kRoad, 0}, {kRoad, kBetween}});
+  return plan;
+}
+
+/// East from `begin` (m), a turn to the other carriageway, and back.
+std::vector<PlanarPose> drive_and_return(double begin) {
+  constexpr double kRadius = kBetween / 2;
+  std::vector<PlanarPose> poses{{begin, 0, 0}};
+  while (poses.back().x < kRoad) poses.push_back(poses.back().compose({kStep, 0, 0}));
+  while (wrap_angle(poses.back().yaw) >= 0) {
+    poses.push_back(poses.back().compose({kStep, 0, kStep / kRadius}));
+  }
+  while (poses.back().x > kRoad / 4) poses.push_back(poses.back().compose({kStep, 0, 0}));
+  return poses;
+}
+
+struct AlikeRun {
+  double after = -1;  // m driven until two places are named, one of which is true; below 0: never
+  double probability = 0;  // of that one, at the end
+  bool sure = false;       // of one alone, ever
+};
+
+AlikeRun name_places(GlobalStart& start, double begin, uint64_t seed) {
+  const std::vector<PlanarPose> drive = drive_and_return(begin);
+  Odometry odometry(seed);
+  start.restart();
+  AlikeRun result;
+  for (size_t i = 1; i < drive.size(); ++i) {
+    odometry.move(start, drive[i - 1], drive[i]);
+    if (i % 10 != 0) continue;
+    const auto place = start.place();
+    result.sure = result.sure || (place && place->sure);
+    const PossiblePlaces places = start.possible_places();
+    double named = 0;
+    result.probability = 0;
+    for (const PossiblePlace& one : places.all()) {
+      named += one.probability;
+      if (is_same_place(one.pose, drive[i], kFound)) result.probability = one.probability;
+    }
+    const bool both = places.all().size() == 2 && named > 0.9 && result.probability > 0;
+    if (both && result.after < 0) result.after = kStep * static_cast<double>(i);
   }
   return result;
 }
@@ -127,6 +199,39 @@ bool large_maps(std::ostream& out, int drives) {
     out << row << std::flush;
     std::fputs(row.c_str(), stderr);
   }
+  return true;
+}
+
+bool alike_streets(std::ostream& out, int drives) {
+  out << "Two carriageways of 1.6 km, 24 m apart, joined at both ends, alike when turned by half a "
+         "turn; by the drive alone.\n\"Named\": two places, together above 90 %, one of them "
+         "within "
+         "12 m of the truth.\n\n"
+      << "| drives | named | after, m: median, most | probability of the true one at the end | "
+         "sure "
+         "of one |\n|---|---|---|---|---|\n";
+  const std::vector<std::byte> bytes = rasterise(dual_carriageway(), {}, "road").value();
+  const auto map = SegmentMap::open(bytes, "road");
+  if (!map) return false;
+  GlobalStart start(*map, {});
+  std::vector<double> after;
+  double low = 1, high = 0;
+  int sure = 0;
+  for (int i = 0; i < drives; ++i) {
+    const double begin = kRoad / 4 + kRoad / 2 * (i + 0.5) / drives;
+    const AlikeRun run = name_places(start, begin, kFirstDrive + static_cast<uint64_t>(i));
+    if (run.after >= 0) after.push_back(run.after);
+    low = std::min(low, run.probability);
+    high = std::max(high, run.probability);
+    sure += run.sure;
+  }
+  std::sort(after.begin(), after.end());
+  const std::string row =
+      format_text("| %d | %zu | %.0f, %.0f | %.0f to %.0f %% | %d |\n", drives, after.size(),
+                  after.empty() ? 0.0 : after[after.size() / 2], after.empty() ? 0.0 : after.back(),
+                  100 * low, 100 * high, sure);
+  out << row;
+  std::fputs(row.c_str(), stderr);
   return true;
 }
 

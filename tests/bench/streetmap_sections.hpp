@@ -74,6 +74,9 @@ void from_nothing(std::ostream& out, const TestDrive& test_drive);
 /// The search of all streets on large maps, with as many drives on each.
 bool large_maps(std::ostream& out, int drives);
 
+/// The search of all streets where two places look alike.
+bool alike_streets(std::ostream& out, int drives);
+
 /// Wheels that lie.
 void wheels(std::ostream& out, const TestDrive& test_drive);
 
