@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
+#include <numbers>
 
 #include "fusion/streetmap/global_start.hpp"
 #include "fusion/streetmap/rasterise.hpp"
@@ -117,10 +118,11 @@ StreetPlan dual_carriageway() {
 std::vector<PlanarPose> drive_and_return(double begin) {
   constexpr double kRadius = kBetween / 2;
   std::vector<PlanarPose> poses{{begin, 0, 0}};
-  while (poses.back().x < kRoad) poses.push_back(poses.back().compose({kStep, 0, 0}));
+  while (poses.back().x < kRoad - kRadius) poses.push_back(poses.back().compose({kStep, 0, 0}));
   while (wrap_angle(poses.back().yaw) >= 0) {
     poses.push_back(poses.back().compose({kStep, 0, kStep / kRadius}));
   }
+  poses.back().yaw = -std::numbers::pi;
   while (poses.back().x > kRoad / 4) poses.push_back(poses.back().compose({kStep, 0, 0}));
   return poses;
 }

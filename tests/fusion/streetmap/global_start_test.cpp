@@ -166,7 +166,8 @@ TEST(GlobalStart, OnALargeMapItBeginsWithThePlacesThatFitTheFirstTurn) {
   truth = drive(start, truth, {{left, legs[1].turn}, legs[2], legs[3], legs[4]});
   const auto place = start.place();
   ASSERT_TRUE(place);
-  EXPECT_TRUE(place->sure);
+  EXPECT_LT(place->elsewhere, 0.05);
+  EXPECT_LT(place->misfit, 0.02);
   EXPECT_LT(std::hypot(place->pose.x - truth.x, place->pose.y - truth.y), 5);
   EXPECT_GT(start.driven(), 500);
 
