@@ -129,7 +129,7 @@ std::vector<PlanarPose> drive_and_return(double begin) {
 
 struct AlikeRun {
   double after = -1;  // m driven until two places are named, one of which is true; below 0: never
-  double probability = 0;  // of that one, at the end
+  double probability = 0;  // of that one then
   bool sure = false;       // of one alone, ever
 };
 
@@ -145,13 +145,14 @@ AlikeRun name_places(GlobalStart& start, double begin, uint64_t seed) {
     result.sure = result.sure || (place && place->sure);
     const PossiblePlaces places = start.possible_places();
     double named = 0;
-    result.probability = 0;
+    double here = 0;
     for (const PossiblePlace& one : places.all()) {
       named += one.probability;
-      if (is_same_place(one.pose, drive[i], kFound)) result.probability = one.probability;
+      if (is_same_place(one.pose, drive[i], kFound)) here = one.probability;
     }
-    const bool both = places.all().size() == 2 && named > 0.9 && result.probability > 0;
-    if (both && result.after < 0) result.after = kStep * static_cast<double>(i);
+    if (result.after >= 0 || places.all().size() != 2 || named < 0.9 || here == 0) continue;
+    result.after = kStep * static_cast<double>(i);
+    result.probability = here;
   }
   return result;
 }
@@ -209,7 +210,7 @@ bool alike_streets(std::ostream& out, int drives) {
          "turn; by the drive alone.\n\"Named\": two places, together above 90 %, one of them "
          "within "
          "12 m of the truth.\n\n"
-      << "| drives | named | after, m: median, most | probability of the true one at the end | "
+      << "| drives | named | after, m: median, most | probability of the true one | "
          "sure "
          "of one |\n|---|---|---|---|---|\n";
   const std::vector<std::byte> bytes = rasterise(dual_carriageway(), {}, "road").value();
