@@ -26,7 +26,7 @@ struct SupervisorOptions {
       15;                ///< evaluations over which a new calibration is compared with the old one
   int max_failures = 3;  ///< consecutive re-estimations without a usable result, then unusable
   double retry_interval = 20;  ///< s between re-estimations
-  size_t max_history = 64;     ///< maximum number of entries
+  size_t max_history = 64;     ///< bounds memory: maximum number of entries
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;
