@@ -9,9 +9,9 @@ namespace infuse::monitoring {
 namespace {
 
 constexpr float kMinDepth = static_cast<float>(calibration::VisibilityOptions{}.min_depth);  // m
-constexpr float kMinRange = 2;        // m; nearer is the vehicle itself
-constexpr float kMaxRange = 100;      // m
-constexpr float kBorderShare = 0.1F;  // of the image's size
+constexpr float kMinRange = 2;  // m; nearer is the vehicle itself
+constexpr float kMaxRange = static_cast<float>(calibration::kMaxSceneRange);  // m
+constexpr float kBorderShare = 0.1F;                                          // of the image's size
 
 }  // namespace
 
