@@ -13,7 +13,7 @@ namespace {
 using geometry::Matrix6;
 using geometry::Vector6;
 
-constexpr double kRotationScale = 10;  // m: a rotation counts as its shift there (decision 17)
+constexpr double kRotationScale = 10;  // m, at which rotations count as shifts (decision 17)
 constexpr double kFreeSigma = 3;       // m: a direction known worse than this is free (decision 17)
 
 /// Independent scalar measurements that have the information of a relative pose: rows of `A`, of
