@@ -8,14 +8,15 @@
 #include <vector>
 
 #include "drivers/measurement/error.hpp"
+#include "fusion/streetmap/segment_map.hpp"
 #include "fusion/streetmap/street_plan.hpp"
 
 namespace infuse::streetmap {
 
 /// Settings of `rasterise`.
 struct RasterOptions {
-  double cell_size = 0.2;   ///< m
-  double margin = 20;       ///< m of open land around all elements
+  double cell_size = MapFrame{}.cell_size;  ///< m
+  double margin = 20;                       ///< m of open land around all elements
   double corridor = 100;    ///< m around streets and footways that are drawn; without any of them
                             ///< all elements are drawn
   double max_extent = 1e5;  ///< m, maximum edge length: bounds memory
