@@ -30,7 +30,7 @@ struct CalibrateOptions {
   ScreenOptions screen;           ///< of the rotations
   double screen_sigma = 8;        ///< px, blur for the screening, derived from `coarse`: its first
   size_t screen_points = 16'000;  ///< maximum number of points of the screening
-  size_t coarse_points = 60'000;  ///< of the coarse levels, derived from `fine`: its first
+  size_t coarse_points = 60'000;  ///< maximum number of points of the coarse levels
   /// Levels of the choice, the most blurred first.
   std::vector<Level> coarse{{.sigma = 8, .tolerance = 2e-2, .prior_weight = 0.3, .survivors = 6},
                             {.sigma = 4, .tolerance = 2e-2, .prior_weight = 0.1, .survivors = 6},

@@ -71,8 +71,7 @@ struct TrackerOptions {
   double min_rotation = 0.03;    ///< rad, minimum rotation between updates
   double sharpness = 8;          ///< log-weight per unit of SMI of a wholly new view
   double novelty_distance = 40;  ///< m driven until a view is wholly new: overlapping views, and a
-                                 ///< map error over tens of metres, are no independent evidence;
-                                 ///< derived from `LocalGridOptions::extent`
+                                 ///< map error over tens of metres, are no independent evidence
   double novelty_seconds =
       4;  ///< s of driving until a view is wholly new, as odometry also drifts with time
   ParticleOptions particles;
