@@ -12,18 +12,18 @@
 namespace infuse::streetmap {
 namespace {
 
-constexpr int kDirections = 16;          // within half a turn
-constexpr double kStartReach = 12;       // m, of free street ahead and behind
-constexpr double kMinFreeLength = 14;    // m, ahead and behind together
-constexpr double kStartYawSigma = 0.12;  // rad
-constexpr double kMergeDistance = 2;     // m, edge of the bins in which hypotheses are one
-constexpr double kMergeYaw = 0.1;        // rad
-constexpr double kMergeEvery = 10;       // m driven
-constexpr double kStepYaw = 0.3;         // rad turned between two comparisons
-constexpr double kStandingSpeed = 0.1;   // m/s
-constexpr double kNoStreet = 0.2;        // mean misfit above which no street explains the drive
-constexpr double kMinDriven = 200;       // m, before that is judged
-constexpr double kSameYaw = 0.5;         // rad, of hypotheses that are one place
+constexpr int kDirections = 16;          // within half a turn (decision 17)
+constexpr double kStartReach = 12;       // m, of free street ahead and behind (decision 17)
+constexpr double kMinFreeLength = 14;    // m, ahead and behind together (decision 17)
+constexpr double kStartYawSigma = 0.12;  // rad (decision 17)
+constexpr double kMergeDistance = 2;     // m, edge of bins in which they are one (decision 17)
+constexpr double kMergeYaw = 0.1;        // rad (decision 17)
+constexpr double kMergeEvery = 10;       // m driven (decision 17)
+constexpr double kStepYaw = 0.3;         // rad turned between two comparisons (decision 17)
+constexpr double kStandingSpeed = 0.1;   // m/s (decision 17)
+constexpr double kNoStreet = 0.2;        // mean misfit above which no street fits (decision 17)
+constexpr double kMinDriven = 200;       // m, before that is judged (decision 17)
+constexpr double kSameYaw = 0.5;         // rad, of hypotheses that are one place (decision 17)
 constexpr double kMinTurn = 0.1;         // rad between two merges, which is not noise
 
 using Vector5 = Eigen::Matrix<double, 5, 1>;
@@ -46,7 +46,7 @@ std::array<double, kDirections> free_lengths(const StreetGrid& grid, const Eigen
 }
 
 uint64_t bin_of(const StreetHypothesis& hypothesis) {
-  constexpr double kOffset = 1 << 20, kLevels = 128;  // more than yaws
+  constexpr double kOffset = 1 << 20, kLevels = 128;  // bits of x, y, yaw
   const PlanarPose& pose = hypothesis.pose;
   const auto part = [](double value) { return static_cast<uint64_t>(value + kOffset); };
   return part(std::floor(pose.x / kMergeDistance)) << 42 |

@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kProfileStep = 0.5;  // m
 
-// Of a cell.
+// Of a cell, as bits.
 constexpr int kOnTop = 1, kBelow = 2, kJoined = 4;
 
 uint8_t cell_of(const Segment& segment) {
