@@ -10,9 +10,9 @@ using geometry::Vector6;
 
 constexpr double kInitialStep = 0.3;  // length of the first step, before the curvature is known
 constexpr double kBacktrackFactor =
-    0.4;  // applied to a step that does not raise the function enough
-constexpr int kMaxBacktracks = 12;
-constexpr double kArmijoFraction = 1e-4;  // share of the linearly predicted rise (Armijo)
+    0.4;                            // applied to a step that does not raise the function enough
+constexpr int kMaxBacktracks = 12;  // bounds time: steps are then below usual tolerances
+constexpr double kArmijoFraction = 1e-4;  // share of the predicted rise (Nocedal and Wright 3.1)
 
 template <int N>
 using Square = Eigen::Matrix<double, N, N>;

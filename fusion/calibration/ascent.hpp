@@ -16,9 +16,9 @@ using PoseFunction = ObjectiveFunction<6>;
 
 /// Stopping rule of an ascent.
 struct AscentOptions {
-  int max_iterations = 60;  ///< maximum number of iterations
+  int max_iterations = 60;  ///< bounds time: fewer suffice, or it has not converged
   double tolerance = 1e-4;  ///< a shorter step ends the search
-  double max_step = 1;      ///< maximum step; a longer one may leave the convergence basin
+  double max_step = 1;      ///< maximum step, by definition of the parameters' scales
 };
 
 /// End of an ascent over N parameters.

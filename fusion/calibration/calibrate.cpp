@@ -9,8 +9,7 @@
 namespace infuse::calibration {
 namespace {
 
-constexpr double kPriorScale = 1;       // factor of the levels' prior weights
-constexpr double kRetryPriorScale = 3;  // the same where the first attempt is not usable
+constexpr double kRetryPriorScale = 3;  // factor of the levels' prior weights in a second attempt
 
 double mean_support(const std::vector<SceneSupport>& scenes) {
   double sum = 0;
@@ -145,7 +144,7 @@ CalibrationResult calibrate(std::span<const Scene> scenes, std::span<const RigCa
                             const CalibrateOptions& options) {
   CalibrationSteps calibration(scenes, cameras, T_refcam_lidar_initial, options);
   CalibrationResult result =
-      run_attempt(calibration, T_refcam_lidar_initial, scenes.size(), options, kPriorScale);
+      run_attempt(calibration, T_refcam_lidar_initial, scenes.size(), options, 1);
   // Too few places are too few at every pose.
   const bool enough = calibration.effective_scenes() >= kMinEffectiveScenes;
   if (!result.usable() && enough && options.restarts > 0 && result.points > 0) {

@@ -28,7 +28,7 @@ struct CalibrateOptions {
   // Choice of the basin: rotations are screened, the best of them start an ascent, and the best
   // different maxima of each level go on to the next.
   ScreenOptions screen;           ///< of the rotations
-  double screen_sigma = 8;        ///< px, blur of the images for the screening, see `ImageBlur`
+  double screen_sigma = 8;        ///< px, blur for the screening, derived from `coarse`: its first
   size_t screen_points = 16'000;  ///< maximum number of points of the screening
   size_t coarse_points = 60'000;  ///< maximum number of points of the coarse levels
   /// Levels of the choice, the most blurred first.
@@ -41,7 +41,7 @@ struct CalibrateOptions {
 
   // Fine levels.
   /// Maximum number of points of the fine levels and the uncertainty, beside all that are near
-  /// depth edges. More points take longer and do not reduce the spread of the results.
+  /// depth edges. More points take longer and do not reduce the spread of the results (decision 7).
   size_t fine_points = 300'000;
   /// The levels.
   std::vector<Level> fine{{.sigma = 3, .points = 60'000, .tolerance = 5e-3},
@@ -50,24 +50,24 @@ struct CalibrateOptions {
 
   // Checks of the result.
   /// Number of ascents per batch from poses around the result, with 15 effective scenes and more;
-  /// as many again where not all converge.
+  /// as many again where not all converge (decision 5).
   int restarts = 4;
-  /// The same with fewer effective scenes, which have more maxima; at least `restarts`. Chosen,
-  /// with the half widths, on rigs drawn at random.
+  /// The same with fewer effective scenes, which have more maxima; at least `restarts` (decision
+  /// 5).
   int restarts_of_few = 8;
-  double restart_rotation = 0.04;     ///< rad each axis, half width of the restarts
-  double restart_translation = 0.12;  ///< m each axis, half width of the restarts
+  double restart_rotation = 0.04;     ///< rad each axis, half width (decision 5)
+  double restart_translation = 0.12;  ///< m each axis, half width (decision 5)
   /// Number of ascents at the finest blur from poses around the result. At that blur the measure
   /// may have several maxima a few centimetres apart, which the blur of `restarts` hides: they all
-  /// end at one, which may be the lower one.
+  /// end at one, which may be the lower one (decision 4).
   int fine_restarts = 4;
   double fine_restart_rotation = 0.35 * kDegree;  ///< rad each axis, half width of these
-  double fine_restart_translation = 0.1;          ///< m each axis, half width of these
+  double fine_restart_translation = 0.1;          ///< m each axis, half width (decision 4)
   int splits = 0;  ///< number of random halvings of the scenes whose estimates are compared
   double support_sigma = 3;   ///< px, blur of the images for the scenes' support, see `ImageBlur`
   double min_support = 0.88;  ///< minimum mean of SceneSupport::support of a usable result
   double max_rotation_sigma = 0.2 * kDegree;  ///< rad, of a usable result, about any axis
-  double max_translation_sigma = 0.05;        ///< m, likewise along any axis
+  double max_translation_sigma = 0.05;        ///< m, of a right result by definition (accuracy.md)
   KnownParameters known;  ///< to what intrinsics and times are known: part of the covariance
 
   /// True: gross errors of the intrinsics are searched for (`estimate_intrinsics`). Not needed for

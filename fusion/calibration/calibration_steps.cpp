@@ -19,14 +19,14 @@ using geometry::Vector6;
 
 constexpr double kMaxSameMaximumRotation = 0.3 * kDegree;
 constexpr double kMaxSameMaximumTranslation = 0.04;
-constexpr double kArrivedShare = 1.0 / 3;  // of both: a restart so near the result has converged
+constexpr double kArrivedShare = 1.0 / 3;  // of both: a restart so near has converged (decision 7)
 // Half width of the screening (rad) beyond which the score with other scenes' images is subtracted,
 // see `PoseScore`.
 constexpr double kMinBaselineHalfWidth = 0.1;
-constexpr double kFineRestartTolerance = 5e-3;  // the last level goes on from the best end
-constexpr int kDrawsPerRestart = 40;            // number of poses drawn for one ascent
-constexpr double kManyScenes = 15;    // effective ones, from which on fewer restarts suffice
-constexpr int kMaxRestartRounds = 4;  // maximum number of rounds that each found a larger value
+constexpr double kFineRestartTolerance = 5e-3;  // derived from CalibrateOptions::fine: its first
+constexpr int kDrawsPerRestart = 40;            // poses drawn for one ascent (decision 4)
+constexpr double kManyScenes = 15;    // effective ones: then fewer restarts suffice (decision 5)
+constexpr int kMaxRestartRounds = 4;  // bounds time: rounds that each found a larger value
 constexpr int kRestartBatches = 2;    // the second where not all of the first converged
 // A displacement along the driving direction looks like images of another time.
 constexpr double kMinDelaySpeed = 1;     // m/s, mean of the scenes

@@ -14,10 +14,10 @@ namespace infuse::calibration {
 
 /// Settings of a comparison of two extrinsics.
 struct CompareOptions {
-  double sigma = 2;           ///< px, blur of the images, see `ImageBlur`
-  double max_p_value = 0.05;  ///< of a difference that is taken for real
+  double sigma = 2;           ///< px, blur of the images, I 4.3.1.4; see `ImageBlur`
+  double max_p_value = 0.05;  ///< of a difference that is taken for real (decision 8)
   /// px: the measures may be largest so far beside the truth, as with the principal point so far
-  /// off (half a pixel on drawn rigs, `check_model`).
+  /// off (decision 8).
   double bias = 0.5;
   uint64_t seed = 1;             ///< of the drawn signs
   VisibilityOptions visibility;  ///< of the points, in view under both poses

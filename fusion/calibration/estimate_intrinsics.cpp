@@ -6,6 +6,7 @@
 
 #include "fusion/calibration/ascent.hpp"
 #include "fusion/calibration/distributions.hpp"
+#include "fusion/calibration/maximize.hpp"
 #include "fusion/geometry/symmetric_eigen.hpp"
 
 namespace infuse::calibration {
@@ -24,24 +25,21 @@ struct IntrinsicsLevel {
 constexpr IntrinsicsLevel kLevels[] = {{8, 15'000}, {4, 30'000}, {2, 60'000}, {1, 240'000}};
 constexpr IntrinsicsLevel kFinest = kLevels[std::size(kLevels) - 1];
 constexpr AscentOptions kAscent{.max_iterations = 50, .tolerance = 1e-2};
-constexpr double kRotationScale = 0.01;         // rad; steps of these sizes
-constexpr double kTranslationScale = 0.1;       // m; have effects of like size
+// Steps that have effects of like size with those of `maximize.hpp`.
 constexpr double kFocalScale = 0.02;            // of the logarithm of the focal lengths
 constexpr double kPrincipalPointScale = 0.015;  // focal lengths, of the principal point
 constexpr double kRadialScale = 0.03;           // of k1
 constexpr double kPriorShare = 0.02;            // share of the measure that is subtracted …
 constexpr double kPriorSteps = 5;  // … at so many of these steps from the given value
 
-constexpr double kCurvatureStep = 1e-3;     // rad
-constexpr int kMinScenesOfCamera = 8;       // number of scenes
 constexpr size_t kMinPointsPerScene = 100;  // number of points in view
 constexpr double kChiSquare = 13.28;        // 99 % of 4 degrees of freedom
-constexpr double kMinGainT = 4;             // Student's t of the scenes' gains
+constexpr double kMinGainT = 4;             // Student's t of the scenes' gains (decision 3)
 // Errors that imperfections of real scenes imitate: logarithm of the focal lengths, px, px, k1.
 const Eigen::Vector4d kModelErrors(0.005, 1.5, 1.5, 0.005);
 // A camera that was never calibrated: logarithm of the focal lengths, share of it (twice), k1.
 const Eigen::Vector4d kUncalibrated(0.02, 0.02, 0.02, 0.1);
-constexpr double kUncalibratedShare = 0.005;  // probability, of each of the intrinsics
+constexpr double kUncalibratedShare = 0.005;  // probability, of each of the intrinsics (decision 3)
 
 /// Pose and a camera's intrinsics as ten scaled parameters, 0 at the initial values.
 class IntrinsicsProblem {
@@ -293,7 +291,7 @@ std::optional<IntrinsicsEstimate> estimate_intrinsics(
     const std::stop_token& stop) {
   if (std::count_if(scenes.begin(), scenes.end(), [&](const Scene& scene) {
         return scene.camera == camera;
-      }) < kMinScenesOfCamera) {
+      }) < kMinScenesOfIntrinsics) {
     return std::nullopt;
   }
   const EstimateInput input{.scenes = scenes,
@@ -316,7 +314,7 @@ std::optional<IntrinsicsEstimate> estimate_intrinsics(
       scene_gains(given_points, images.at(kFinest.blur()), scenes, cameras, T_refcam_lidar,
                   problem.cameras(maximum.d), out.T_refcam_lidar, camera, terms);
   out.scenes = static_cast<int>(gains.size());
-  if (out.scenes < kMinScenesOfCamera) return std::nullopt;
+  if (out.scenes < kMinScenesOfIntrinsics) return std::nullopt;
   given_points = {};  // released before others are chosen
   add_uncertainty(input, problem, maximum, uncertainty, out);
   for (const double gain : gains) out.improved_scenes += gain > 0 ? 1 : 0;

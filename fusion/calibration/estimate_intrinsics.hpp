@@ -13,6 +13,9 @@
 
 namespace infuse::calibration {
 
+/// Minimum number of scenes that determine intrinsics.
+inline constexpr int kMinScenesOfIntrinsics = 8;
+
 /// Estimate of one camera's intrinsics.
 struct IntrinsicsEstimate {
   Eigen::Isometry3d T_refcam_lidar = Eigen::Isometry3d::Identity();  ///< estimated with them
@@ -34,8 +37,8 @@ struct IntrinsicsEstimate {
 /// `search_terms` and at the finest level `terms`, from the pose estimated with the given
 /// intrinsics. Compares the fit of every scene alone, on the points in view with the given
 /// intrinsics. Detects gross errors, for which the slope at the result (`check_model`) is not
-/// valid. `uncertainty` is that of the pose. Returns nothing if fewer than 8 of the camera's scenes
-/// have enough points in view, or if `stop` was requested.
+/// valid. `uncertainty` is that of the pose. Returns nothing if fewer than `kMinScenesOfIntrinsics`
+/// of the camera's scenes have enough points in view, or if `stop` was requested.
 std::optional<IntrinsicsEstimate> estimate_intrinsics(
     std::span<const Scene> scenes, std::span<const RigCamera> cameras, size_t camera,
     std::span<const TermOptions> search_terms, std::span<const TermOptions> terms,

@@ -16,7 +16,7 @@ enum class LidarFeature : uint8_t {
   kNormalY,
   kNormalZ,
 };
-inline constexpr size_t kLidarFeatures = 7;
+inline constexpr size_t kLidarFeatures = static_cast<size_t>(LidarFeature::kNormalZ) + 1;
 
 /// Feature of a pixel.
 enum class ImageFeature : uint8_t {
@@ -28,7 +28,10 @@ enum class ImageFeature : uint8_t {
   kGreen,
   kBlue,
 };
-inline constexpr size_t kImageFeatures = 7;
+inline constexpr size_t kImageFeatures = static_cast<size_t>(ImageFeature::kBlue) + 1;
+
+/// Number of bins of each side of a joint histogram of two features.
+inline constexpr int kHistogramBins = 16;
 
 /// One entry per lidar feature.
 template <class T>

@@ -5,7 +5,7 @@
 namespace infuse::calibration {
 namespace {
 
-constexpr double kFullBlurFocalLength = 500;  // px; blurs of shorter ones are scaled
+constexpr double kFullBlurFocalLength = 500;  // px; blurs of shorter ones are scaled (decision 5)
 
 }  // namespace
 

@@ -11,9 +11,9 @@ namespace infuse::calibration {
 /// Objective around a pose, for plots (P fig. 3.15). Axes are 0 … 5: rotation about and translation
 /// along x, y, z of the reference camera.
 struct Landscape {
-  static constexpr int kSamplesPerAxis =
-      41;  ///< number of values along an axis, the pose itself in the middle
-  static constexpr int kMapSize = 15;  ///< number of values along each side of a map
+  /// Number of values along an axis, the pose itself in the middle: for plots, bounds time.
+  static constexpr int kSamplesPerAxis = 41;
+  static constexpr int kMapSize = 15;  ///< values along each side of a map; bounds time
 
   double rotation = 0;     ///< rad, half width of the axes
   double translation = 0;  ///< m, half width of the axes

@@ -20,8 +20,8 @@ class LocalProblem {
         initial_pose_(initial_pose),
         prior_(options.position_prior),
         stop_(options.stop) {
-    scale_ << Eigen::Vector3d::Constant(options.rotation_scale),
-        Eigen::Vector3d::Constant(options.translation_scale);
+    scale_ << Eigen::Vector3d::Constant(kRotationScale),
+        Eigen::Vector3d::Constant(kTranslationScale);
   }
 
   Eigen::Isometry3d pose(const Vector6& d) const {
@@ -72,8 +72,6 @@ PoseAscentResult ascend(const PoseFunction& function, const MaximizeOptions& opt
 
 std::optional<std::string> MaximizeOptions::invalid() const {
   if (max_iterations < 1) return "max_iterations must be at least 1";
-  if (!(rotation_scale > 0)) return "rotation_scale must be positive";
-  if (!(translation_scale >= 0)) return "translation_scale must not be negative";
   if (!(tolerance > 0)) return "tolerance must be positive";
   return std::nullopt;
 }

@@ -5,6 +5,7 @@
 #include <stop_token>
 #include <string>
 
+#include "fusion/calibration/ascent.hpp"
 #include "fusion/calibration/objective.hpp"
 
 namespace infuse::calibration {
@@ -23,17 +24,18 @@ struct PositionPrior {
   double weight = 0;                                 ///< the measure's unit per m²; 0: none
 };
 
+/// Rotations (rad) and translations (m) that have effects of like size; the maximum steps.
+inline constexpr double kRotationScale = 0.01, kTranslationScale = 0.1;
+
 /// Reason of a result that was stopped.
 inline constexpr const char* kCancelled = "cancelled";
 
 /// Settings of a local optimisation.
 struct MaximizeOptions {
   Optimizer optimizer = Optimizer::kBfgs;
-  int max_iterations = 60;         ///< of BFGS; the simplex has ten times as many
-  double rotation_scale = 0.01;    ///< rad; rotations of this size and
-  double translation_scale = 0.1;  ///< m; translations of this size have effects of like size, and
-                                   ///< are the maximum step; 0: translation is kept
-  double tolerance = 1e-4;         ///< in these scales: smaller steps end the search
+  int max_iterations =
+      AscentOptions{}.max_iterations;            ///< of BFGS; the simplex has ten times as many
+  double tolerance = AscentOptions{}.tolerance;  ///< in `kRotationScale` and `kTranslationScale`
 
   PositionPrior position_prior;
   std::stop_token stop;  ///< ends the search early, with the reason `kCancelled`

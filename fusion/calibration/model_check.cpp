@@ -10,8 +10,8 @@ using geometry::Matrix6;
 using geometry::Vector6;
 
 constexpr double kMinScenesOfModel = 10;    // effective number of scenes
-constexpr double kSignificantSigmas = 3.5;  // standard deviations
-constexpr double kSeriousSigmas = 7;
+constexpr double kSignificantSigmas = 3.5;  // one in 2000 of a Gaussian
+constexpr double kSeriousSigmas = 2 * kSignificantSigmas;
 // Share of a parameter's information below which the pose explains all of it, as it does a time
 // where the motion is always the same. What is left is rounding.
 constexpr double kMinRemainingInformation = 1e-6;

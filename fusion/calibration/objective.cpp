@@ -42,7 +42,7 @@ INFUSE_SIMD_CLONES void look_up_block(const Samples2d plane, const float* __rest
                                       const float* __restrict u, const float* __restrict v,
                                       size_t count, float* __restrict value, float* __restrict by_u,
                                       float* __restrict by_v) {
-  constexpr size_t kGroup = 64;
+  constexpr size_t kGroup = 64;  // points in the first-level cache
   int at[kGroup];
   float a[kGroup], b[kGroup];
   Neighbours upper[kGroup], lower[kGroup];

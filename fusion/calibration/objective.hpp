@@ -55,7 +55,8 @@ using SceneGradient = Eigen::Matrix<double, 10, 1>;
 using SceneInformation = Eigen::Matrix<double, 10, 10>;
 
 /// Number of bands of depth with a displacement each: below 8 m, to 16 m, to 32 m, and beyond.
-/// Octaves, since a shift of the camera moves pixels by the inverse of the depth.
+/// Octaves, since a shift of the camera moves pixels by the inverse of the depth
+/// (decision 18).
 inline constexpr size_t kDepthBands = 4;
 
 /// Information between the ten parameters and displacements of the pixels of all scenes alike,

@@ -12,8 +12,8 @@ namespace {
 using geometry::Matrix6;
 using geometry::Vector6;
 
-constexpr int kMaxPoolingSteps = 50;
-constexpr double kPoolingTolerance = 1e-12;  // rad and m, of a step
+constexpr int kMaxPoolingSteps = 50;         // bounds time
+constexpr double kPoolingTolerance = 1e-12;  // rad and m, of a step, near double precision
 
 /// The calibration's deviation from a pose: T_camera_lidar = exp(deviation) T.
 Vector6 deviation(const DatedCalibration& calibration, const Eigen::Isometry3d& T) {

@@ -12,7 +12,7 @@ using geometry::Matrix6;
 using geometry::Vector6;
 using Calibrations = std::span<const DatedCalibration>;
 
-constexpr double kDoubtfulPValue = 0.1;  // of a remainder below which covariances are in doubt
+constexpr double kDoubtfulPValue = 0.1;  // one in ten by chance: covariances are in doubt
 
 /// A change and the poses with it.
 struct Candidate {

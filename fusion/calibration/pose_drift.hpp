@@ -11,7 +11,7 @@ namespace infuse::calibration {
 
 /// Settings of the search for a change among the calibrations of one camera.
 struct PoseDriftOptions {
-  double significance = 1e-3;  ///< p-value below which differences are real
+  double significance = 1e-3;  ///< p-value of a real difference: one in a thousand by chance
   size_t max_changes = 8;      ///< that are looked for
 
   /// What is wrong with the settings, or nothing.

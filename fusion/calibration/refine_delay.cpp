@@ -7,7 +7,7 @@
 namespace infuse::calibration {
 namespace {
 
-constexpr int kMaxRounds = 6;             // corrections of the delay
+constexpr int kMaxRounds = 6;             // corrections of the delay; bounds time
 constexpr double kConvergedSigmas = 0.3;  // of a correction that is chance
 constexpr double kSmallestChange = 2e-4;  // s
 const std::string kUndetermined = "the scenes do not determine the delay: ";

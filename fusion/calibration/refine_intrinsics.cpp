@@ -10,7 +10,6 @@
 namespace infuse::calibration {
 namespace {
 
-constexpr double kMinScenesOfIntrinsics = 8;  // effective number of scenes
 constexpr int kRounds = 2;  // estimates, each from the calibration with the one before
 
 /// Largest standard deviation of a refined intrinsic.

@@ -7,7 +7,7 @@
 
 namespace infuse::calibration {
 
-/// Standard deviations of the initial translation; 97 % lie nearer.
+/// Standard deviations of the initial translation: 97 % of a Gaussian of three dimensions.
 inline constexpr double kMaxTranslationSigmas = 3;
 
 /// Returns why the result of a calibration cannot be used, or an empty text. `maximum` is that of

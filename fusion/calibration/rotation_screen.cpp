@@ -17,7 +17,7 @@ struct ScoredRotation {
 /// Returns point k of a sequence that fills the cube [−1, 1]³ evenly: multiples of the powers of
 /// 1/g, g the real root of x⁴ = x + 1, each modulo 1.
 Eigen::Vector3d low_discrepancy_point(int k) {
-  constexpr double kRoot = 1.2207440846057596;
+  constexpr double kRoot = 1.2207440846057596;  // g by definition
   Eigen::Vector3d point;
   double power = 1;
   for (int axis = 0; axis < 3; ++axis) {

@@ -18,6 +18,9 @@
 
 namespace infuse::calibration {
 
+/// m; returns farther away are not compared with images.
+inline constexpr double kMaxSceneRange = 100;
+
 /// Features that are computed of a sweep and an image.
 struct SceneOptions {
   /// Features to compute: relative reflectivity and discontinuity.
@@ -29,8 +32,8 @@ struct SceneOptions {
   /// Grey and edges by rank within the image, so that exposure does not matter. False: values
   /// divided by 255.
   bool equalize = true;
-  double min_range = 1.5;  ///< m; nearer returns (the vehicle itself) are dropped
-  double max_range = 100;  ///< m
+  double min_range = 1.5;             ///< m; nearer returns (the vehicle itself) are dropped
+  double max_range = kMaxSceneRange;  ///< m
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;

@@ -9,10 +9,8 @@
 namespace infuse::calibration {
 namespace {
 
-// Surroundings of local grey, in sigmas of the blur, and the minimum in px.
-constexpr double kContrastWidthPerSigma = 8;
-constexpr double kMinContrastWidth = 15;
-constexpr double kNoiseSigma = 2.0 / 255;  // grey levels of a smooth surface, for grey 0 … 1
+constexpr double kMinContrastWidth = 15;                    // px, of the surroundings of local grey
+constexpr double kNoiseSigma = features::kGreyNoise / 255;  // for grey 0 … 1
 
 /// Largest power of two, px, that the Gaussian's sigma is not smaller than.
 int sample_step(double sigma) {
@@ -42,7 +40,7 @@ SceneImages::SceneImages(const PerImageFeature<features::Plane>& image,
   for (const double sigma : ascending) {
     if (levels_.contains(sigma)) continue;
     const double rest = std::sqrt(std::max(0.0, sigma * sigma - finer_sigma * finer_sigma));
-    const double width = std::max(kMinContrastWidth, kContrastWidthPerSigma * sigma);
+    const double width = std::max(kMinContrastWidth, features::kContrastWidthPerSigma * sigma);
     auto level = std::make_shared<PerImageFeature<CompactPlane>>();
     for (size_t f = 0; f < kImageFeatures; ++f) {
       const features::Plane& from = levels_.empty() ? image[f] : finer[f];

@@ -14,7 +14,7 @@ namespace infuse::calibration {
 /// Plane of values 0 … 1, each in 8 bits: a quarter of the memory of a `features::Plane`.
 struct CompactPlane {
   using Sample = uint8_t;
-  static constexpr float kUnit = 1.0F / 255;  ///< of `values`
+  static constexpr float kUnit = 1.0F / 255;  ///< of `values` in 8 bits
 
   int width = 0;   ///< samples
   int height = 0;  ///< samples

@@ -7,9 +7,9 @@
 namespace infuse::calibration {
 namespace {
 
-constexpr int kSignatureWidth = 160;    // samples across an image
+constexpr int kSignatureWidth = 160;    // samples across an image (decision 6)
 constexpr int kSurroundings = 5;        // samples on each side
-constexpr double kShareByChance = 0.2;  // correlation of different places, with a bonnet in view
+constexpr double kShareByChance = 0.2;  // correlation of different places (decision 6)
 
 /// Values less the mean of those around them, as a vector of length one (or zero).
 Eigen::VectorXf fine_structure(const Eigen::ArrayXXf& rows) {

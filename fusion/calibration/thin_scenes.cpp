@@ -111,7 +111,7 @@ Scene select_points(const Scene& scene, const std::vector<size_t>& points) {
 /// look-ups then hit the processor's cache.
 Scene sort_by_strips(const Scene& scene, const geometry::CameraModel& model,
                      const Eigen::Isometry3d& T_camera_lidar) {
-  constexpr float kStripHeight = 8;  // px
+  constexpr float kStripHeight = 8;  // px, of rows in the cache
   const size_t n = scene.size();
   std::vector<float> u(n), v(n), depth(n);
   geometry::project_points(model, T_camera_lidar, {scene.x, scene.y, scene.z}, {u, v, depth});

@@ -16,14 +16,14 @@ namespace {
 using geometry::Matrix6;
 using geometry::Vector6;
 
-// Steps of numeric differences: about the standard deviation of the result, from this to so many
-// times it; halves of it where it leads to no maximum, as with long focal lengths. Smaller steps
-// measure how rings cross image edges instead of the shape of the maximum, larger ones its flanks.
-constexpr double kFirstStep = 1e-3;  // rad; for translations times the median range of the points
+// Steps of numeric differences: about the standard deviation of the result, from
+// `kCurvatureStep` to so many times it; halves of it where it leads to no maximum, as with long
+// focal lengths. Smaller steps measure how rings cross image edges instead of the shape of the
+// maximum, larger ones its flanks.
 constexpr double kMaxStepGrowth = 4;
-constexpr double kMinStepGrowth = 0.25;
+constexpr double kMinStepGrowth = 1 / kMaxStepGrowth;  // decision 21
 // Steps along directions of little information are longer than the others, up to so many times.
-constexpr double kMaxStepRatio = 4;
+constexpr double kMaxStepRatio = kMaxStepGrowth;
 constexpr double kMaxRotationSigma = 5 * kDegree;
 constexpr double kMaxTranslationSigma = 0.5;
 
@@ -192,16 +192,16 @@ Sandwich find_sandwich(Objective& objective, const Eigen::Isometry3d& T, const M
     found = next;
     out.curvature = H;
   };
-  try_step(kFirstStep);
-  for (double angle = kFirstStep / 2; !found.reason.empty() && angle >= kMinStepGrowth * kFirstStep;
-       angle /= 2) {
+  try_step(kCurvatureStep);
+  for (double angle = kCurvatureStep / 2;
+       !found.reason.empty() && angle >= kMinStepGrowth * kCurvatureStep; angle /= 2) {
     try_step(angle);
   }
   const auto is_too_small = [&](double angle) {
     return !found.reason.empty() || max_angular_sigma(found.covariance, range) > 2 * angle;
   };
-  for (double angle = kFirstStep; angle < kMaxStepGrowth * kFirstStep && is_too_small(angle);
-       angle *= 2) {
+  for (double angle = kCurvatureStep;
+       angle < kMaxStepGrowth * kCurvatureStep && is_too_small(angle); angle *= 2) {
     try_step(2 * angle);
   }
   return found;

@@ -44,7 +44,11 @@ inline constexpr double kMinEffectiveScenes = 3;
 /// drives (decision 18).
 inline constexpr double kBiasSigma = 0.5;
 
-/// Number of scenes that count as much as the curvature's shape, in the covariance.
+/// First step of numeric second derivatives (decision 21), rad; for translations times the median
+/// range of the points.
+inline constexpr double kCurvatureStep = 1e-3;
+
+/// Number of scenes that count as much as the curvature's shape, in the covariance (decision 21).
 inline constexpr double kShrinkageScenes = 20;
 
 /// Steps, as columns, along the axes of the `information` about the pose (any scale): each changes

@@ -20,7 +20,7 @@ struct DiscontinuityOptions {
   double max_gap = 0.02;      ///< rad of azimuth between neighbours; four firings of a slow HDL-32E
   int max_column_gap = 0;     ///< columns between neighbours; 0: no limit
   double no_return_step = 0;  ///< m; step towards a neighbour that is missing; 0: none
-  double max_step = 1e3;      ///< m; larger steps count as this
+  double max_step = 1e3;      ///< m, above the range of any data sheet; larger steps count as this
   double max_edge_azimuth = 0.03;  ///< rad of azimuth to the nearest edge on the ring; returns
                                    ///< farther away become `kNotCompared`; 0: all are compared
   double min_edge_step = 0.5;      ///< m; smallest step of an edge, for `max_edge_azimuth`

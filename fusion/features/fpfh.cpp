@@ -10,7 +10,7 @@
 namespace infuse::features {
 namespace {
 
-constexpr float kMaxCoordinate = 1e5F;  // m; what is farther away is not a measurement
+constexpr float kMaxCoordinate = 1e5F;  // m; no measurement, and single precision has centimetres
 
 /// Points by coordinate, for the search.
 struct Cloud {

@@ -10,16 +10,20 @@
 
 namespace infuse::features {
 
-/// Number of bins of each of the three angles of a pair of points.
+/// Number of bins of each of the three angles of a pair of points, as the Point Cloud Library's
+/// implementation of Rusu, Blodow and Beetz 2009.
 inline constexpr size_t kFpfhBins = 11;
 
 /// Fast point feature histogram: three histograms (alpha, phi, theta), each of which sums to 100.
 using Fpfh = std::array<float, 3 * kFpfhBins>;
 
-/// Settings of fast point feature histograms. The defaults suit points on a grid of 0.5 m.
+/// m, side of the grid of the points that the defaults suit.
+inline constexpr double kFpfhGrid = 0.5;
+
+/// Settings of fast point feature histograms.
 struct FpfhOptions {
-  double normal_radius = 1.5;   ///< m, neighbourhood that a plane is fitted to
-  double feature_radius = 2.5;  ///< m, neighbourhood of the histograms
+  double normal_radius = 3 * kFpfhGrid;   ///< m, neighbourhood that a plane is fitted to
+  double feature_radius = 5 * kFpfhGrid;  ///< m, neighbourhood of the histograms
   int max_neighbours = 100;  ///< of both neighbourhoods, the nearest: bounds the time where points
                              ///< are dense
   int min_neighbours = 6;    ///< points with fewer neighbours have neither normal nor histogram

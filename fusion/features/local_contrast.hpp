@@ -6,6 +6,12 @@
 
 namespace infuse::features {
 
+/// Width of the surroundings that a grey level is compared with, in sigmas of the image's blur.
+inline constexpr double kContrastWidthPerSigma = 8;
+
+/// Noise of a smooth surface, grey levels of 255.
+inline constexpr double kGreyNoise = 2;
+
 /// Values of a plane relative to their surroundings: (g − m) / s, m and s mean and standard
 /// deviation under a Gaussian of `width` pixels, mapped to 0 … 1 by ½ + ½ z / √(1 + z²).
 /// `noise_sigma` (the values' unit) is added to s as a square, so that noise on a smooth surface

@@ -66,7 +66,7 @@ Eigen::Vector2d distort(const CameraIntrinsics& camera, double a, double b,
 CameraModel::CameraModel(const CameraIntrinsics& intrinsics) : intrinsics_(intrinsics) {
   const bool pinhole = intrinsics.model == CameraIntrinsics::Model::kPinhole;
   const double max_angle = pinhole ? 89.5 / 180 * std::numbers::pi : std::numbers::pi;
-  constexpr int kSteps = 4000;
+  constexpr int kSteps = 4000;  // bounds time: the limit is known to 0.05°
   double last = 0;
   for (int i = 1; i <= kSteps; ++i) {
     const double angle = max_angle * i / kSteps;

@@ -6,7 +6,7 @@ namespace {
 /// Mean distance in pixels between the true and the estimated projection of points in the true
 /// camera's view.
 double mean_pixel_error(const Eigen::Isometry3d& T_estimate_truth, const CameraModel& camera) {
-  constexpr int kGridSize = 12;  // cells along each side of the image
+  constexpr int kGridSize = 12;  // cells along each side of the image, by definition
   double sum = 0;
   int count = 0;
   for (int row = 0; row < kGridSize; ++row) {

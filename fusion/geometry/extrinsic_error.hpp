@@ -18,7 +18,7 @@ struct ExtrinsicError {
                       ///< of the image at `kComparisonDepths`
 };
 
-/// Depths at which projections are compared, m.
+/// Depths at which projections are compared by definition of `pixels`, m.
 inline constexpr std::array<double, 3> kComparisonDepths{5, 15, 45};
 
 /// Compares two extrinsics T_camera_lidar of the same camera.

@@ -21,7 +21,7 @@ struct StampedPose {
 
 /// Settings of a trajectory.
 struct TrajectoryOptions {
-  size_t capacity = 4096;         ///< maximum number of poses; the oldest are dropped
+  size_t capacity = 4096;         ///< poses, the oldest are dropped: bounds memory
   Duration max_gap{200'000'000};  ///< ns; the pose between two poses further apart is unknown
   Duration max_extrapolation{0};  ///< ns past the last pose, at its twist
   double rotation_growth = 3e-4;  ///< rad/√s, growth of the standard deviation of an extrapolated

@@ -9,7 +9,7 @@
 namespace infuse::mapping {
 namespace {
 
-constexpr int kPasses = 8;
+constexpr int kPasses = 8;      // bounds time
 constexpr double kHeld = 1e-3;  // m and rad, standard deviation of what is held
 
 Eigen::Vector3d error_of(const PositionFactor& factor, const Pose<3>& T_map_pose) {

@@ -24,7 +24,7 @@ struct EarthFitOptions {
   size_t min_fixes = 5;           ///< fewer give no georeference
   double min_extent = 10;    ///< m, root mean square of the fixes' distances from their mean; less
                              ///< gives no heading
-  double min_inliers = 0.5;  ///< share of the fixes; fewer give no georeference
+  double min_inliers = 0.5;  ///< share of the fixes: most by definition
   /// Standard deviations of a road's slope across and along the vehicle. Drainage takes a crossfall
   /// of 2.5 % (RAS-Q, AASHTO), roads in towns climb by 6 % at most and mostly by half of that.
   double roll_sigma = 1.4 * kDegree;

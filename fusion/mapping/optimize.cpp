@@ -10,7 +10,8 @@
 namespace infuse::mapping {
 namespace {
 
-constexpr double kFirstDamping = 1e-6, kMaxDamping = 1e8, kMinDamping = 1e-12;
+constexpr double kFirstDamping = 1e-6, kMaxDamping = 1e8;
+constexpr double kMinDamping = 1e-12;  // of the diagonal, near double precision
 
 /// Matrix that takes a perturbation (translation, rotation) in the frame of a pose to one
 /// (rotation, translation) in the map frame.

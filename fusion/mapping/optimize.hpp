@@ -13,7 +13,7 @@ namespace infuse::mapping {
 /// Settings of the optimisation of a pose graph.
 struct OptimizeOptions {
   Cost cost = Cost::kInformation;  ///< which is minimised
-  int max_iterations = 100;        ///< factorisations
+  int max_iterations = 100;        ///< factorisations; bounds time
   double tolerance = 1e-9;         ///< relative decrease of the cost below which it has converged
 
   /// What is wrong with the settings, or nothing.

@@ -17,7 +17,7 @@ namespace infuse::mapping {
 struct SubmapOptions {
   double voxel_size = registration::kMapVoxelSize;  ///< m, one point per voxel
   double min_range = registration::kMinRange;       ///< m; nearer returns are the vehicle's own
-  double max_range = 100;                           ///< m
+  double max_range = registration::kMaxRange;       ///< m
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;

@@ -27,7 +27,10 @@ enum class Axis : uint8_t {
   kFartherRotationY,
   kFartherRotationZ
 };
-inline constexpr size_t kAxes = 17;
+inline constexpr size_t kAxes = static_cast<size_t>(Axis::kFartherRotationZ) + 1;
+
+/// m each axis, standard deviation of the displacement of a camera that was knocked.
+inline constexpr double kKnockSigma = 0.1;
 
 /// Returns the axis that a wide variant belongs to; other axes unchanged.
 constexpr Axis base_axis(Axis axis) {

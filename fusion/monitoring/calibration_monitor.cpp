@@ -10,10 +10,10 @@ namespace {
 
 using geometry::Vector6;
 
-constexpr double kMaxGap = 2;                 // s; the motion during a longer gap is unknown
-constexpr double kNegligibleEvidence = 0.5;   // nats
-constexpr double kSearchEvidence = 2;         // nats: odds of 7 : 1, before a drift is suspected
-constexpr int kEvaluationsPerSearch = 3;      // until following scenes support a pose
+constexpr double kMaxGap = 2;                // s; the motion during a longer gap is unknown
+constexpr double kNegligibleEvidence = 0.5;  // nats
+constexpr double kSearchEvidence = 2;  // nats, odds of 7 : 1; a suspicion comes later (decision 17)
+constexpr int kEvaluationsPerSearch = 3;      // until following scenes support a pose (decision 17)
 constexpr double kHalfInformationPeak = 0.1;  // nats; a peak of this height has information ½
 
 /// Fits the parabola through three values one step apart.

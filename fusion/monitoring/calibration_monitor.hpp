@@ -16,9 +16,9 @@ namespace infuse::monitoring {
 /// Settings of the monitoring of one camera.
 struct MonitorOptions {
   double rotation_step = 8.7e-3;         ///< rad; step around the calibration for the evaluation
-  double wide_rotation_step = 0.0214;    ///< rad; the same, the geometric mean of its neighbours
+  double wide_rotation_step = 0.0214;    ///< rad; derived from the two beside: geometric mean
   double far_rotation_step = 0.0524;     ///< rad; the same with a blurred image
-  double farther_rotation_step = 0.105;  ///< rad; the same, twice as far
+  double farther_rotation_step = 0.105;  ///< rad; derived from the one before: twice as far
   double translation_step = 0.06;        ///< m; the same for translations
   double time_step = 0.08;               ///< s; the same for the delay of the camera's stamps
   double wide_time_step = 0.2;           ///< s; the same for the wide evaluation

@@ -15,7 +15,7 @@ enum class CalibrationState : uint8_t {
   kRecalibrated,   ///< a new calibration is in use and on probation
   kUnusable,       ///< the camera has a fault, or re-estimations keep failing: do not use it
 };
-inline constexpr size_t kCalibrationStates = 7;
+inline constexpr size_t kCalibrationStates = static_cast<size_t>(CalibrationState::kUnusable) + 1;
 
 /// "OK", "MONITORING" …
 const char* name_of(CalibrationState state);
@@ -55,7 +55,8 @@ enum class CalibrationEvent : uint8_t {
   kOwnerRollsBack,
   kOwnerFreezes,
 };
-inline constexpr size_t kCalibrationEvents = 20;
+inline constexpr size_t kCalibrationEvents =
+    static_cast<size_t>(CalibrationEvent::kOwnerFreezes) + 1;
 
 /// What a transition does, as bits.
 enum CalibrationActions : uint16_t {

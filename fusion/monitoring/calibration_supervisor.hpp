@@ -20,13 +20,13 @@ struct SupervisorOptions {
                            ///< 10 to 20. Its covariance decides whether they suffice.
   double result_delay =
       5;  ///< s of drive time from the start of a re-estimation to the use of its result
-  double min_moved = 3.5;  ///< Mahalanobis distance (6 degrees of freedom) below which the
+  double min_moved = 3.5;  ///< Mahalanobis distance (94 % of χ² with 6 degrees) below which the
                            ///< present calibration is kept
   int probation_evaluations =
       15;                ///< evaluations over which a new calibration is compared with the old one
   int max_failures = 3;  ///< consecutive re-estimations without a usable result, then unusable
   double retry_interval = 20;  ///< s between re-estimations
-  size_t max_history = 64;     ///< maximum number of entries
+  size_t max_history = 64;     ///< bounds memory: maximum number of entries
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;

@@ -52,7 +52,7 @@ class CameraCheck {
   CameraFault fault() const { return fault_; }
 
   static constexpr int kColumns = 16, kRows = 12;
-  static constexpr int kBlockColumns = 64, kBlockRows = 48;
+  static constexpr int kBlockColumns = 4 * kColumns, kBlockRows = 4 * kRows;
 
  private:
   template <class Value>

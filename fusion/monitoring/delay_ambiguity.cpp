@@ -5,7 +5,6 @@
 namespace infuse::monitoring {
 namespace {
 
-constexpr double kTwistFadeRate = 1.0 / 30;
 constexpr double kMaxSteadyVariation = 0.05;  // share of the variance in a constant twist's square
 constexpr double kMinTwist = 0.1;             // `drift_offset` per s; less is no motion
 
@@ -16,9 +15,9 @@ void DelayAmbiguity::add(const Motion& motion) {
   geometry::Vector6 twist;
   twist << motion.angular_rate, motion.velocity;
   for (int k = 0; k < 6; ++k) twist(k) /= kDefaults.drift_offset[static_cast<size_t>(k)];
-  mean_ += kTwistFadeRate * (twist - mean_);
-  mean_square_ += kTwistFadeRate * (twist.squaredNorm() - mean_square_);
-  weight_ += kTwistFadeRate * (1 - weight_);
+  mean_ += kOffsetFadeRate * (twist - mean_);
+  mean_square_ += kOffsetFadeRate * (twist.squaredNorm() - mean_square_);
+  weight_ += kOffsetFadeRate * (1 - weight_);
 }
 
 std::optional<Axis> DelayAmbiguity::axis() const {

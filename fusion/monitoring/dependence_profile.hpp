@@ -21,8 +21,8 @@ struct ProfileOptions {
 /// Dependence of an image and a sweep around a pose: along each axis of a left perturbation of
 /// T_camera_lidar (rx, ry, rz, tx, ty, tz), the other five being zero.
 struct DependenceProfile {
-  static constexpr size_t kAxes = 6;
-  static constexpr size_t kSamples = 25;  ///< along an axis, the pose itself in the middle
+  static constexpr size_t kAxes = 6;      ///< of a pose, by definition
+  static constexpr size_t kSamples = 25;  ///< along an axis, the pose in the middle: bounds time
   std::array<std::array<double, kSamples>, kAxes> nats{};
 
   /// Returns where a sample is along its axis, as a part of the half width, −1 … 1.

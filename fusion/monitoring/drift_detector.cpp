@@ -8,11 +8,10 @@ namespace infuse::monitoring {
 namespace {
 
 constexpr int kBlockSize = 4;  // evaluations whose mean is compared with the next block's
-constexpr double kOffsetFadeRate = 1.0 / 30;  // fading of the mean offset per evaluation
-constexpr double kNoiseFadeRate = 1.0 / 60;   // fading of the noise per block
-constexpr double kPriorBlocks = 2;            // weight of the prior noise
-constexpr double kPriorNoise = 0.006;         // κ on simulated streets, and a third more
-constexpr double kMaxNoiseRatio = 9;          // maximum of a block's κ, times the mean so far
+constexpr double kNoiseFadeRate = kOffsetFadeRate / 2;  // fading of the noise per block
+constexpr double kPriorBlocks = 2;                      // weight of the prior noise
+constexpr double kPriorNoise = 0.006;  // κ on simulated streets and a third (decision 17)
+constexpr double kMaxNoiseRatio = 9;   // of a block's κ to the mean: 99.7 % of χ² with 1 degree
 /// Weight of an evaluation: those of one street share a bias for longer than a block.
 constexpr double kEvaluationWeight = 0.7;
 

@@ -26,6 +26,9 @@ struct AxisEvaluation {
   double offset(size_t axis) const;
 };
 
+/// Fading of means over evaluations, per evaluation.
+inline constexpr double kOffsetFadeRate = 1.0 / 30;
+
 /// Settings of the sequential test. Angles in rad, lengths in m, times in s.
 struct DriftDetectorOptions {
   /// Offsets up to which the calibration holds: possible bias of the measure.
@@ -35,8 +38,10 @@ struct DriftDetectorOptions {
   PerAxis drift_offset{7e-3,   7e-3, 7e-3,   0.05,   0.05,   0.15,  0.10,  0.0214, 0.0214,
                        0.0214, 0.2,  0.0524, 0.0524, 0.0524, 0.105, 0.105, 0.105};
   double false_alarm_hours = 1000;  ///< mean time between false alarms at `evaluations_per_second`
-  double evaluations_per_second = 2.5;       ///< maximum rate of `add`
-  double suspicion_threshold = 4;            ///< evidence, nats, of a suspected drift
+  /// Maximum rate of `add`, derived from `MonitorOptions::min_interval` at images of 10 Hz.
+  double evaluations_per_second = 2.5;
+  double suspicion_threshold = 4;  ///< nats of a suspected drift: of one axis at most one in 55
+                                   ///< evaluations by chance (Lorden 1971)
   double max_evidence_per_evaluation = 1.7;  ///< maximum evidence of one image, nats
   int warm_up = 12;  ///< evaluations before anything is reported: the noise is learned
 

@@ -15,27 +15,26 @@ namespace {
 using geometry::Matrix6;
 using geometry::Vector6;
 
-constexpr size_t kReturns = 2000;  // of a scene; more cost more and say little more
-constexpr double kBlur = 3;        // samples, of the blurred image: 0.6° of 300 samples
-constexpr int kThin = 2;           // samples
+constexpr size_t kReturns = 2000;  // of a scene; more cost more and say little more (decision 17)
+constexpr double kBlur = 3;  // samples, of the blurred image: 0.6° of 300 samples (decision 17)
+constexpr int kThin = 2;     // samples (decision 17)
 // A blurred peak is as wide as two steps of the screen. About the optical axis, returns move half
 // as much as at the image's border.
 constexpr double kScreenStep = 1 * kDegree;
 constexpr double kScreenRollStep = 2 * kDegree;
 constexpr double kReach = 8 * kDegree;
 constexpr double kApart = 2 * kDegree;          // poses of one peak are nearer
-constexpr double kRotationSigma = 3 * kDegree;  // standard deviation of a knock, about each axis
-constexpr double kTranslationSigma = 0.1;       // m, and along it
-constexpr double kStep = 6e-3;                  // rad, of the curvature: half a peak's width
-constexpr double kTranslationStep = 0.04;       // m
-constexpr double kMinEigenvalue = 0.02;         // of a correlation: 7 times its axes' deviation
-constexpr std::array<double, 6> kDelays = {0.02, 0.04, 0.06, 0.1, 0.15, 0.2};  // s
+constexpr double kRotationSigma = 3 * kDegree;  // standard deviation of a knock
+constexpr double kStep = 6e-3;  // rad, of the curvature: half a peak's width (decision 17)
+constexpr double kTranslationStep = 0.04;  // m (decision 17)
+constexpr double kMinEigenvalue = 0.02;  // of a correlation: 7 deviations of its axes (decision 17)
+constexpr std::array<double, 6> kDelays = {0.02, 0.04, 0.06, 0.1, 0.15, 0.2};  // s (decision 17)
 
 Vector6 unit(int axis) { return Vector6::Unit(axis); }
 
 Vector6 prior_sigma() {
   Vector6 sigma;
-  sigma << Eigen::Vector3d::Constant(kRotationSigma), Eigen::Vector3d::Constant(kTranslationSigma);
+  sigma << Eigen::Vector3d::Constant(kRotationSigma), Eigen::Vector3d::Constant(kKnockSigma);
   return sigma;
 }
 
@@ -167,7 +166,7 @@ void DriftSearch::try_translations(Candidate& best) {
   Candidate alone{.nats = value_at(Vector6::Zero(), Detail::kFine)};
   for (int axis = 3; axis < 6; ++axis) {
     for (const double size : {0.5, -0.5, 1.0, -1.0, 2.0, -2.0}) {
-      const Vector6 moved = size * kTranslationSigma * unit(axis);
+      const Vector6 moved = size * kKnockSigma * unit(axis);
       const double nats = value_at(moved, Detail::kFine);
       if (nats > alone.nats) alone = {moved, nats};
     }
@@ -214,8 +213,8 @@ DriftSearch::Parabola DriftSearch::parabola_at(const Vector6& moved) {
 /// A rotation and the displacement that looks alike form a ridge, along which steps of one axis get
 /// nowhere. Moves by Newton steps while that is better, and returns the information there.
 Matrix6 DriftSearch::climb_ridge(Candidate& best) {
-  constexpr int kMaxMoves = 3;
-  constexpr double kMaxSteps = 3;  // of the parabola's
+  constexpr int kMaxMoves = 3;     // decision 17
+  constexpr double kMaxSteps = 3;  // of the parabola's (decision 17)
   Vector6 steps;
   steps << Eigen::Vector3d::Constant(kStep), Eigen::Vector3d::Constant(kTranslationStep);
   for (int move = 0;; ++move) {
@@ -224,7 +223,7 @@ Matrix6 DriftSearch::climb_ridge(Candidate& best) {
     Vector6 by = around.information.ldlt().solve(around.slope);
     by /= std::max(1.0, by.cwiseQuotient(steps).cwiseAbs().maxCoeff() / kMaxSteps);
     const Candidate there{best.moved + by, value_at(best.moved + by, Detail::kFine)};
-    constexpr double kGain = 0.1;  // nats; less is not worth a move
+    constexpr double kGain = 0.1;  // nats; less is not worth a move (decision 17)
     if (!(there.nats > best.nats + kGain)) return around.information;
     best = there;
   }

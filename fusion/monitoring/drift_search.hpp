@@ -45,7 +45,7 @@ class DriftSearch {
                      const std::optional<geometry::Vector6>& known, size_t scenes, double noise,
                      const geometry::CameraModel& camera);
 
-  static constexpr size_t kScenes = 8;  ///< that are kept
+  static constexpr size_t kScenes = 8;  ///< that are kept (decision 17)
 
  private:
   struct Scene {
@@ -85,7 +85,7 @@ class DriftSearch {
   const geometry::CameraModel* camera_ = nullptr;
   size_t count_ = 0;
   double noise_ = 1;
-  static constexpr size_t kCandidates = 5;  ///< peaks that are kept
+  static constexpr size_t kCandidates = 5;  ///< peaks that are kept (decision 17)
   std::array<Candidate, kCandidates> candidates_;
   size_t candidate_count_ = 0;
 };

@@ -66,7 +66,7 @@ std::string describe_offset(Axis axis, double offset, double sigma) {
 }
 
 std::string describe_drift(const DriftVerdict& verdict) {
-  // Odds of 20 : 1 decide at 95 %.
+  // Odds of 20 : 1 decide: one in twenty is wrong.
   constexpr double kDecided = 3;  // nats
   const double odds = verdict.evidence - verdict.runner_up_evidence;
   std::string other;

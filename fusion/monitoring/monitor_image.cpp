@@ -6,13 +6,12 @@
 namespace infuse::monitoring {
 namespace {
 
-constexpr double kContrastWidth = 8;  // samples, surroundings that a grey level is compared with
-constexpr double kNoiseSigma = 2;     // grey levels, of a smooth surface
-constexpr double kBlurSigma = 1;      // samples
+constexpr double kBlurSigma = 1;                                                  // samples
+constexpr double kContrastWidth = features::kContrastWidthPerSigma * kBlurSigma;  // samples
 // Samples: 1.1° of an image with a focal length of 300, so that peaks at steps of 3 and 6° are as
-// wide as half the step between them.
+// wide as half the step between them: derived from `MonitorOptions::far_rotation_step`.
 constexpr double kCoarseBlur = 6;
-constexpr int kCoarseStep = 4;  // samples; not more than the blur allows
+constexpr int kCoarseStep = 4;  // samples, derived from kCoarseBlur: the power of two below
 
 }  // namespace
 
@@ -31,7 +30,7 @@ void MonitorImage::build(const CameraFrame& grey, int step, const features::Ring
   ring_edge_.compute(reduced_, rings, raw_);
   features::equalize_by_level(raw_.values, 256);
   blur_.compute(raw_, kBlurSigma, 1, fine.edge);
-  local_contrast_.compute(reduced_, kContrastWidth, kNoiseSigma, raw_);
+  local_contrast_.compute(reduced_, kContrastWidth, features::kGreyNoise, raw_);
   features::equalize_by_level(raw_.values, 1);
   blur_.compute(raw_, kBlurSigma, 1, fine.grey);
   plane_blur_.compute(fine, kCoarseBlur, kCoarseStep, compared_.coarse);

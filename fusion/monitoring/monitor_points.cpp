@@ -1,16 +1,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fusion/calibration/visible_points.hpp"
 #include "fusion/features/ranks.hpp"
 #include "fusion/monitoring/monitor_view.hpp"
 
 namespace infuse::monitoring {
 namespace {
 
-constexpr float kMinDepth = 1;        // m along the optical axis
-constexpr float kMinRange = 2;        // m; nearer is the vehicle itself
-constexpr float kMaxRange = 100;      // m
-constexpr float kBorderShare = 0.1F;  // of the image's size
+constexpr float kMinDepth = static_cast<float>(calibration::VisibilityOptions{}.min_depth);  // m
+constexpr float kMinRange = 2;  // m; nearer is the vehicle itself
+constexpr float kMaxRange = static_cast<float>(calibration::kMaxSceneRange);  // m
+constexpr float kBorderShare = 0.1F;                                          // of the image's size
 
 }  // namespace
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "drivers/measurement/camera_frame.hpp"
+#include "fusion/calibration/feature.hpp"
 #include "fusion/features/discontinuity.hpp"
 #include "fusion/features/image_edges.hpp"
 #include "fusion/features/local_contrast.hpp"
@@ -34,8 +35,8 @@ struct ComparedImage {
 
 /// What is compared of a sweep: returns with the bins of their features.
 struct ComparedReturns {
-  static constexpr int kBins = 16;
-  static constexpr uint8_t kNotCompared = 255;  ///< edge bin of a return without an edge near it
+  static constexpr int kBins = calibration::kHistogramBins;
+  static constexpr uint8_t kNotCompared = 255;  ///< edge bin (8 bits) where no edge is near
 
   std::vector<float> x, y, z;  ///< m, in the lidar's frame
   std::vector<uint8_t> reflectivity_bin, edge_bin;

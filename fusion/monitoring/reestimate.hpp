@@ -7,6 +7,7 @@
 
 #include "drivers/measurement/rig.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
+#include "fusion/monitoring/axis.hpp"
 #include "fusion/monitoring/scene_store.hpp"
 
 namespace infuse::monitoring {
@@ -14,9 +15,9 @@ namespace infuse::monitoring {
 /// Settings of the re-estimation.
 struct ReestimateOptions {
   int searches = 3;  ///< number of ascents: from the current calibration and from around it
-  double screen_half_width = 0.02;         ///< rad, half width of the rotations screened around it
-  double initial_translation_sigma = 0.1;  ///< m, standard deviation of the camera's displacement
-  size_t points = 160'000;                 ///< maximum number, of all scenes together
+  double screen_half_width = 0.02;  ///< rad, half width of the rotations screened around it
+  double initial_translation_sigma = kKnockSigma;  ///< m, of the camera's displacement
+  size_t points = 160'000;                         ///< maximum number, of all scenes together
   double max_split_half_distance =
       4;              ///< standard deviations by which the halves of the scenes may differ
   uint64_t seed = 1;  ///< of the restarts

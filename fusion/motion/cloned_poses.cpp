@@ -13,8 +13,8 @@ namespace {
 using geometry::Matrix6;
 using geometry::Vector6;
 
-constexpr double kRotationScale = 10;  // m: a rotation counts as the shift it makes at this range
-constexpr double kFreeSigma = 3;       // m: a direction known worse than this is free
+constexpr double kRotationScale = 10;  // m, at which rotations count as shifts (decision 17)
+constexpr double kFreeSigma = 3;       // m: a direction known worse than this is free (decision 17)
 
 /// Independent scalar measurements that have the information of a relative pose: rows of `A`, of
 /// unit noise after whitening.
@@ -73,7 +73,7 @@ Directions directions_of(const Matrix6& information, const OdometryOptions& opti
 /// either.
 std::pair<bool, bool> measured_motion(const Directions& directions, double seconds,
                                       bool moves_forward) {
-  constexpr double kMaxSpeedSigma = 1, kMaxYawRateSigma = 0.1;  // m/s, rad/s
+  constexpr double kMaxSpeedSigma = 1, kMaxYawRateSigma = 0.1;  // m/s, rad/s (decision 17)
   Vector6 unknown;
   unknown << Eigen::Vector3d::Constant(kRotationScale / kFreeSigma),
       Eigen::Vector3d::Constant(1 / kFreeSigma);
@@ -199,7 +199,7 @@ void OdometryState::release(int rate, int axis, double sigma, Stamp since, Stamp
 }
 
 void OdometryState::release_speed(Stamp since, Stamp now) {
-  constexpr double kSigma = 10;  // m/s
+  constexpr double kSigma = 10;  // m/s (decision 17)
   release(kSpeed, 3, kSigma, since, now);
   if (options_.moves_forward) return;
   release(kLateralVelocity, 4, kSigma, since, now);
@@ -207,7 +207,7 @@ void OdometryState::release_speed(Stamp since, Stamp now) {
 }
 
 void OdometryState::release_rotation(Stamp since, Stamp now) {
-  constexpr double kSigma = 0.3;  // rad/s
+  constexpr double kSigma = 0.3;  // rad/s (decision 17)
   for (int i = options_.planar ? 2 : 0; i < 3; ++i) {
     release(kAngularVelocity + i, i, kSigma, since, now);
   }

@@ -11,7 +11,7 @@ namespace {
 using geometry::Trajectory;
 using geometry::Vector6;
 
-constexpr size_t kBlockSize = 64;  // returns whose cell is looked up together
+constexpr size_t kBlockSize = 64;  // returns whose cells are in the first-level cache together
 
 struct TimeRange {
   int32_t min, max;

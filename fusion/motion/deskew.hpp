@@ -12,11 +12,11 @@ namespace infuse::motion {
 
 /// Settings of the motion compensation.
 struct DeskewOptions {
-  double tolerance = 1e-4;  ///< m; maximum error of a return against its exact pose
-  double max_range = 250;   ///< m; range up to which `tolerance` holds; beyond, the error grows in
-                            ///< proportion
-  size_t max_cells = 2048;  ///< maximum number of cells of a sweep; a motion that needs more is
-                            ///< rejected
+  double tolerance = 1e-4;  ///< m of a return's place: a twentieth of the steps of a range (HDL-32E
+                            ///< manual)
+  double max_range = 250;   ///< m, up to which `tolerance` holds: 245 m on the data sheet of a
+                            ///< VLS-128; beyond, the error grows in proportion
+  size_t max_cells = 2048;  ///< of a sweep, bounds memory: a motion that needs more is rejected
 
   /// Returns what is wrong with the options, or nothing.
   std::optional<std::string> invalid() const;

@@ -6,11 +6,11 @@
 namespace infuse::motion {
 namespace {
 
-constexpr double kEarthRadius = 6.371e6;       // m
-constexpr double kPositionTolerance = 10;      // m, of good fixes
-constexpr double kRelativeTolerance = 0.01;    // of the distance, of odometry
-constexpr double kSureHeading = 0.05;          // rad
-constexpr Duration kMaxDoubt{60'000'000'000};  // ns; then the receiver is believed again
+constexpr double kEarthRadius = 6.371e6;       // m, mean of WGS 84
+constexpr double kPositionTolerance = 10;      // m, of good fixes (decision 17)
+constexpr double kRelativeTolerance = 0.01;    // of the distance, of odometry (decision 17)
+constexpr double kSureHeading = 0.05;          // rad (decision 17)
+constexpr Duration kMaxDoubt{60'000'000'000};  // ns; then it is believed again (decision 17)
 
 }  // namespace
 

@@ -7,11 +7,11 @@
 namespace infuse::motion {
 namespace {
 
-constexpr size_t kKeptReadings = 512;  // 2.5 s at 200 Hz
-constexpr double kMinReadings = 5;     // of an interval
-constexpr Duration kMaxInterval{500'000'000};
-constexpr double kMinVariance = 1e-12;       // rad²/s²
-constexpr double kMaxRotationSigma = 0.005;  // rad; lidars that know less are no reference
+constexpr size_t kKeptReadings = 512;          // bounds memory: 2.5 s at 200 Hz
+constexpr double kMinReadings = 5;             // of an interval (decision 17)
+constexpr Duration kMaxInterval{500'000'000};  // decision 17
+constexpr double kMinVariance = 1e-12;         // rad²/s²: the readings are rounded
+constexpr double kMaxRotationSigma = 0.005;    // rad; worse lidars are no reference (decision 17)
 
 /// True if registration determines the rotation.
 bool rotation_is_known(const RelativePose& motion) {

@@ -14,13 +14,14 @@ namespace infuse::motion {
 
 /// Settings of `GyroAxes`.
 struct GyroAxesOptions {
-  Duration memory{120'000'000'000};  ///< ns after which an interval counts 1/e
-  double min_intervals = 30;         ///< fewer intervals of motion say nothing
-  double min_lead = 20;           ///< nats by which an axis explains a gyro better than any other
-  double max_unexplained = 0.2;   ///< share of a gyro's variance that its axis may leave
-  double max_scale_error = 0.15;  ///< of a gyro against the lidar
+  Duration memory{120'000'000'000};  ///< ns after which an interval counts 1/e (decision 17)
+  double min_intervals = 30;         ///< fewer intervals of motion say nothing (decision 17)
+  double min_lead = 20;  ///< nats by which an axis explains a gyro best: a wrong one leads so, by a
+                         ///< likelihood ratio, at most one in 485 000 000 times
+  double max_unexplained = 0.2;   ///< share of a gyro's variance its axis may leave (decision 17)
+  double max_scale_error = 0.15;  ///< of a gyro against the lidar (decision 17)
   double max_missing = 0.1;  ///< share of an axis of the vehicle that gyros without a known axis
-                             ///< may carry
+                             ///< may carry (decision 17)
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;

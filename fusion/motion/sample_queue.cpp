@@ -5,7 +5,7 @@
 namespace infuse::motion {
 namespace {
 
-constexpr size_t kMaxSamples = 512;               // maximum number of samples that wait
+constexpr size_t kMaxSamples = 512;               // that wait: bounds memory
 constexpr Duration kMaxStampJump{2'000'000'000};  // maximum gap between stamps
 
 bool jumps(Stamp from, Stamp to) { return to - from > kMaxStampJump || from - to > kMaxStampJump; }

@@ -12,8 +12,8 @@
 namespace infuse::motion {
 namespace {
 
-constexpr double kNoGateSigmas = 1e9;
-constexpr double kGravity = 9.80665;  // m/s²
+constexpr double kNoGateSigmas = 1e9;  // no gate by definition
+constexpr double kGravity = 9.80665;   // m/s², standard gravity
 
 }  // namespace
 
@@ -107,7 +107,7 @@ bool OdometryState::update_gravity(const ImuSample& sample) {
 
 bool OdometryState::update_steering(double steering_angle) {
   constexpr double kMaxBicycleSteeringAngle = 0.5;  // rad at the steering wheel; range of the
-                                                    // bicycle model
+                                                    // bicycle model (decision 17)
   if (!(std::abs(steering_angle) < kMaxBicycleSteeringAngle)) return false;
   const double v = speed();
   const double relative_speed = v / options_.characteristic_speed;
@@ -122,7 +122,8 @@ bool OdometryState::update_steering(double steering_angle) {
     return false;
   }
   // Roads are straight on average; so is the steering at speed.
-  constexpr double kMinStraightSpeed = 8, kMaxStraightSteeringAngle = 0.1;  // m/s, rad
+  constexpr double kMinStraightSpeed = 8,
+                   kMaxStraightSteeringAngle = 0.1;  // m/s, rad (decision 17)
   if (std::abs(v) > kMinStraightSpeed &&
       std::abs(steering_angle - x_[kSteeringZero]) < kMaxStraightSteeringAngle) {
     H.setZero();
@@ -142,7 +143,7 @@ bool OdometryState::update_gnss_speed(double measured, double noise) {
 // A receiver does not tell forward from reverse. A speed that is not known yet is near 0 with
 // either sign: the vehicle drives forward unless its speed is known to be negative.
 double OdometryState::driving_direction() const {
-  constexpr double kReverseSigmas = 2;
+  constexpr double kReverseSigmas = 2;  // 97.7 % of a Gaussian
   const bool reverse =
       options_.moves_forward && x_[kSpeed] < -kReverseSigmas * std::sqrt(P_(kSpeed, kSpeed));
   return reverse ? -1 : 1;
@@ -166,7 +167,7 @@ double OdometryState::speed_sigma() const {
 }
 
 bool OdometryState::update_gnss_course(double course, double course_noise) {
-  constexpr double kFullCourseSpeed = 10;  // m/s
+  constexpr double kFullCourseSpeed = 10;  // m/s (decision 17)
   Vector H = Vector::Zero();
   H[kPose + 2] = H[kEastHeading] = 1;
   Eigen::Vector3d ahead = T_odom_vehicle_.linear().col(0);
@@ -191,7 +192,7 @@ bool OdometryState::update_gnss_course(double course, double course_noise) {
 }
 
 bool OdometryState::update_slow_turn() {
-  constexpr double kMinTurningRadius = 5;  // m
+  constexpr double kMinTurningRadius = 5;  // m (decision 17)
   Vector H = Vector::Zero();
   H[kAngularVelocity + 2] = 1;
   const double noise = 0.01 + (std::abs(speed()) + speed_sigma()) / kMinTurningRadius;
@@ -200,8 +201,8 @@ bool OdometryState::update_slow_turn() {
 
 // A vehicle that turns does not stand, though its wheels do: it slides, or is carried.
 void OdometryState::update_standstill() {
-  constexpr double kSpeedNoise = 0.01;      // m/s
-  constexpr double kRotationNoise = 0.002;  // rad/s, for doors and wind
+  constexpr double kSpeedNoise = 0.01;      // m/s (decision 17)
+  constexpr double kRotationNoise = 0.002;  // rad/s, for doors and wind (decision 17)
   for (int i = 2; i >= (options_.planar ? 2 : 0); --i) {
     Vector H = Vector::Zero();
     H[kAngularVelocity + i] = 1;

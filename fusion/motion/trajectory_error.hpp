@@ -8,7 +8,7 @@
 
 namespace infuse::motion {
 
-/// Segment lengths of the KITTI odometry benchmark, m.
+/// Segment lengths of the KITTI odometry benchmark by definition, m.
 inline constexpr std::array<double, 8> kKittiLengths{100, 200, 300, 400, 500, 600, 700, 800};
 
 /// Estimated pose and true pose at the same time.

@@ -10,9 +10,9 @@ namespace infuse::places {
 
 /// Settings of the description of small images.
 struct ImageDescriptorOptions {
-  int cell = 8;          ///< pixels, side of a cell
-  int stride = 4;        ///< pixels between cells
-  int orientations = 8;  ///< of edges, over 180°
+  int cell = 8;           ///< pixels, side of a cell
+  int stride = cell / 2;  ///< pixels between cells, derived from `cell`
+  int orientations = 8;   ///< of edges, over 180°
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;

@@ -12,12 +12,12 @@ namespace infuse::places {
 
 /// Settings of the search for places that two drives share.
 struct JoinOptions {
-  double spacing = 8;     ///< m driven between two places that are compared
-  size_t candidates = 3;  ///< places that look alike, of which each is verified
-  double distinct = 10;   ///< m driven between these
+  double spacing = 8;                 ///< m driven between two places that are compared
+  size_t candidates = 3;              ///< places that look alike, of which each is verified
+  double distinct = kDistinctPlaces;  ///< m driven between these
   /// Least that two places must have in common to be recognised without a guess.
   double min_agreement = 0.92, min_overlap = 0.45;
-  size_t enough = 6;  ///< closures that agree; then no more are sought
+  size_t enough = 6;  ///< closures that agree; then no more are sought: bounds time
   mapping::AgreementOptions agreement;
 
   /// What is wrong with the settings, or nothing.

@@ -7,10 +7,11 @@
 namespace infuse::places {
 namespace {
 
-/// Fewest sequences that do not overlap from which a spread is estimated.
+/// Fewest sequences that do not overlap that have a spread by definition.
 constexpr double kMinSequences = 2;
 /// Standard deviations of an estimate of the spread from n sequences, as a share of it: about
-/// 1 / sqrt(2 n) for a normal distribution, twice that and more for the tail of greatest values.
+/// 1 / sqrt(2 n) for a normal distribution, twice that and more for the tail of greatest values
+/// (decision 17).
 constexpr double kSpreadError = 2;
 
 MatchEvidence::Chance chance_of(const std::vector<double>& values, double sequences) {

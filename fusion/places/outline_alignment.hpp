@@ -5,7 +5,7 @@
 
 namespace infuse::places {
 
-/// Settings of the alignment of outlines.
+/// Settings of the alignment of outlines (decision 17).
 struct OutlineOptions {
   double cell = 0.5;        ///< m
   double range = 45;        ///< m of the points

@@ -11,9 +11,9 @@ inline constexpr int kRings =
     20;  ///< of equal width, up to `kMaxDescribedRange` (Kim and Kim 2018)
 inline constexpr int kSectors =
     60;  ///< of azimuth, counter-clockwise from the vehicle's x (Kim and Kim 2018)
-inline constexpr int kHarmonics = 6;                              ///< of azimuth, in the key
-inline constexpr double kMaxDescribedRange = 80;                  ///< m (Kim and Kim 2018)
-inline constexpr double kHeightStep = 0.05;                       ///< m; heights are multiples
+inline constexpr int kHarmonics = 6;              ///< of azimuth, in the key (decision 17)
+inline constexpr double kMaxDescribedRange = 80;  ///< m (Kim and Kim 2018)
+inline constexpr double kHeightStep = 0.05;       ///< m; heights are multiples (decision 17)
 inline constexpr double kMaxDescribedHeight = 255 * kHeightStep;  ///< m; heights are bytes
 
 /// Shape of a place as a polar map of the heights around it (as Scan Context, Kim and Kim 2018):

@@ -10,7 +10,7 @@ PlaceIndex::PlaceIndex(std::vector<PlaceDescriptor> places) : places_(std::move(
 }
 
 std::vector<PlaceCandidate> PlaceIndex::find(const PlaceDescriptor& query, size_t count) const {
-  constexpr size_t kCompared = 8;  // times as many are compared in full
+  constexpr size_t kCompared = 8;  // times as many are compared in full (decision 17)
   const PlaceKey key = key_of(query);
   std::vector<float> products;
   for (const PlaceKey& other : keys_) products.push_back(key.dot(other));

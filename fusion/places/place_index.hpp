@@ -7,7 +7,11 @@
 
 namespace infuse::places {
 
-/// Places that look alike and are looked at for each that is verified: neighbours look alike too.
+/// m; places that are farther apart are different answers (decision 17).
+inline constexpr double kDistinctPlaces = 10;
+
+/// Places that look alike and are looked at for each that is verified, as neighbours look alike too
+/// (decision 17).
 inline constexpr size_t kSearchedPerPlace = 6;
 
 /// A place that looks like the one sought.

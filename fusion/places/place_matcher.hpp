@@ -28,7 +28,7 @@ struct PlaceMap {
 struct PlaceMatcherOptions {
   mapping::ClosureCheckOptions check;  ///< near a pose that is known
   size_t candidates = 4;               ///< places that a search verifies, …
-  double distinct = 10;                ///< … m apart at least
+  double distinct = kDistinctPlaces;   ///< … m apart at least
   double max_distance = 12;            ///< m; farther from every keyframe a pose is off the map
 
   /// What is wrong with the settings, or nothing.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fusion/features/neighbour_search.hpp"
+#include "fusion/registration/lengths.hpp"
 #include "fusion/registration/point_cloud.hpp"
 
 namespace infuse::registration {
@@ -13,8 +14,8 @@ using features::NeighbourSearch;
 
 /// Settings of the local planes.
 struct CovarianceOptions {
-  int neighbours = 10;     ///< number of points, the point itself included, of a local plane
-  int min_neighbours = 5;  ///< fewer give no plane
+  int neighbours = 10;  ///< number of points, the point itself included, of a local plane
+  int min_neighbours = kMinPlanePoints;  ///< fewer give no plane
   /// Sine of the smallest angle between a plane and the ray from the origin to its point, 0 … 1;
   /// `kMinIncidence` for points that a lidar at the origin measured. Of trees, hedges and fences a
   /// beam returns a curve that lies in its own cone, and the plane through that curve would hold a

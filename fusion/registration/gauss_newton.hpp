@@ -14,6 +14,7 @@ struct StepLimits {
   double translation_tolerance = 1e-3;  ///< m
   double min_plane_fraction = 0.01;     ///< a direction is free if less of the points' (squared)
                                         ///< displacement by it is along the planes' normals
+                                        ///< (decision 9)
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;

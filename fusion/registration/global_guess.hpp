@@ -12,7 +12,7 @@ namespace infuse::registration {
 
 /// Settings of the global guess.
 struct GlobalGuessOptions {
-  double voxel_size = 0.5;                            ///< m, grid of the points
+  double voxel_size = features::kFpfhGrid;            ///< m, grid of the points
   features::FpfhOptions fpfh;                         ///< of the features
   size_t max_keypoints = 3000;                        ///< of each scan, the most distinctive ones
   RigidConsensusOptions consensus{.hypotheses = 12};  ///< of the features

@@ -11,6 +11,12 @@ inline constexpr double kRangeNoise = 0.02;
 /// m, side of the voxels of a map, of which each keeps one point of a sweep (decision 17).
 inline constexpr double kMapVoxelSize = 0.25;
 
+/// m; farther returns are not part of a map.
+inline constexpr double kMaxRange = 100;
+
+/// Fewer points give no plane and how well they lie on it.
+inline constexpr int kMinPlanePoints = 5;
+
 /// m; residuals of points that are further apart are taken as independent.
 inline constexpr double kClusterSize = 4;
 

@@ -19,7 +19,7 @@ constexpr double kMinOverlap = 0.3;  // of an estimate that is closer than the g
 constexpr double kLostShare = 0.5;
 constexpr double kOverlapRise = 0.5, kOverlapFall = 0.1;  // shares by which a sweep changes it
 constexpr double kUnknown = 1e6;    // rad², m²: variance of a pose that is a guess
-constexpr int kMaxStartSteps = 50;  // each way; the second sweep may come late
+constexpr int kMaxStartSteps = 50;  // each way; bounds time: the second sweep may come late
 constexpr double kStartSigmas = 3;  // by which a start fits better than a slower one (decision 10)
 constexpr double kFiner = 1.5;      // step to a smaller voxel
 

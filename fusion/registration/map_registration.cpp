@@ -17,7 +17,7 @@ using geometry::Vector6;
 constexpr float kSearchAgain = 0.03F;  // m; a point that moved less keeps its plane
 // Weight of the directions along a plane: small, so that a point may slide on it.
 constexpr double kPlaneVariance = 1e-4;
-constexpr int kSearchIterations = 12;  // planes that come and go could keep it from converging
+constexpr int kSearchIterations = 12;  // bounds time: planes may come and go
 constexpr int kAttemptIterations = 6;
 // Ranges that are noise lie near planes that noise made: the best of all poses then has points 1.5
 // times as near as if their distances were uniform; walls and ground have them 4 times as near.

@@ -13,8 +13,9 @@ using features::NearestQueries;
 
 // A search also bounds the other points' distances, by so much beyond the nearest one's: what the
 // points are expected to move in the iterations to come, in units of the last move, at most …
+// No result depends on either, which bounds time.
 constexpr double kMarginPerMove = 0.6;
-constexpr double kMaxMargin = 0.2;  // m
+constexpr double kMaxMargin = 0.2;  // m; bounds time
 
 }  // namespace
 

@@ -8,7 +8,8 @@ namespace {
 using geometry::Matrix6;
 using geometry::Vector6;
 
-// Errors of a measured motion that are not in its covariance, as those of the times of its samples.
+// Errors of a measured motion that are not in its covariance, as those of the times of its samples
+// (decision 9).
 constexpr double kPriorRotationNoise = 3e-4, kPriorTranslationNoise = 2e-2;  // rad, m
 
 }  // namespace

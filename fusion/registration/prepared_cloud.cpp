@@ -28,7 +28,7 @@ PrepareOptions sweep_options(double voxel_size) {
 
 void CloudPreparer::prepare(const geometry::PointsView& points, const PrepareOptions& options,
                             PreparedCloud& out) {
-  constexpr double kDistinct = 1e-3;  // m; voxels that keep all points but copies
+  constexpr double kDistinct = 1e-3;  // m; copies alone: ranges have steps of 2 mm (HDL-32E manual)
   downsampler_.compute(points, options.voxel_size > 0 ? options.voxel_size : kDistinct, out.cloud);
   build_and_sort(out.cloud, out.search);
   estimate_covariances(out.search, options.covariance, candidates_, out.cloud);

@@ -21,8 +21,8 @@ void build_and_sort(PointCloud& cloud, NeighbourSearch& search);
 
 /// Settings of the preparation.
 struct PrepareOptions {
-  double voxel_size = 0.25;      ///< m; 0: keep every point that is finite
-  CovarianceOptions covariance;  ///< the local planes
+  double voxel_size = kMapVoxelSize;  ///< m; 0: keep every point that is finite
+  CovarianceOptions covariance;       ///< the local planes
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;

@@ -3,7 +3,7 @@
 namespace infuse::registration {
 namespace {
 
-constexpr double kIdentical = 1e-5;  // m; residuals of clouds that are copies of each other
+constexpr double kIdentical = 1e-5;  // m, single precision at 100 m: clouds are copies
 
 }  // namespace
 

@@ -30,8 +30,8 @@ struct RigidConsensusOptions {
   size_t min_inliers = 8;        ///< fewer are no consensus
   double probability = 0.999;    ///< that a sample of three right correspondences was drawn: a
                                  ///< failure is one in a thousand (Fischler and Bolles 1981)
-  double min_share = 0.02;  ///< smallest share of right correspondences that this holds for; 0.02
-                            ///< takes 860 000 samples
+  double min_share = 0.02;  ///< smallest share of right correspondences that this holds for; bounds
+                            ///< time: 860 000 samples
   size_t hypotheses = 1;    ///< maximum number of poses that are returned
   double distinct_rotation = 0.2;   ///< rad, and
   double distinct_translation = 2;  ///< m: poses closer than both are one hypothesis

@@ -5,7 +5,7 @@
 
 namespace infuse::registration {
 
-/// Bits of one voxel coordinate in a key.
+/// One voxel coordinate in a key: three have 63 bits.
 inline constexpr int kVoxelBits = 21;
 inline constexpr int32_t kVoxelOffset = 1 << (kVoxelBits - 1);
 

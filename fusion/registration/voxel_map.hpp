@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "fusion/geometry/rigid_motion.hpp"
+#include "fusion/registration/lengths.hpp"
 #include "fusion/registration/pairs.hpp"
 #include "fusion/registration/point_cloud.hpp"
 
@@ -13,13 +14,13 @@ namespace infuse::registration {
 
 /// Settings of the local map.
 struct VoxelMapOptions {
-  double voxel_size = 1;       ///< m
+  double voxel_size = 1;       ///< m, as Vizzo et al. 2023
   double min_spacing = 0.1;    ///< m between the points of a voxel, at most 16 (decision 17)
-  double range = 100;          ///< m; voxels farther from the lidar are dropped
+  double range = kMaxRange;    ///< m; voxels farther from the lidar are dropped
   size_t max_voxels = 65'536;  ///< maximum number of voxels, 256 bytes each; more are not added
-  int min_points = 5;          ///< fewer near a point give no plane
-  double min_spread = 0.2;     ///< second variance of a voxel's points over the first; a line or
-                               ///< strip below gives no plane (decision 10)
+  int min_points = kMinPlanePoints;  ///< fewer near a point give no plane
+  double min_spread = 0.2;  ///< second variance of a voxel's points over the first; a line or
+                            ///< strip below gives no plane (decision 10)
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;

@@ -6,8 +6,8 @@
 namespace infuse::streetmap {
 namespace {
 
-constexpr double kMinElsewhere = 1e-9;  // no probability is known to be smaller
-constexpr double kBeside = 0.05;        // probability that a drive fits one street by chance
+constexpr double kMinElsewhere = 1e-9;  // no probability is known to one in a thousand million
+constexpr double kBeside = 0.05;        // of a drive that fits one street by chance: one in twenty
 
 }  // namespace
 

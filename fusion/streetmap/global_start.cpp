@@ -12,17 +12,16 @@
 namespace infuse::streetmap {
 namespace {
 
-constexpr double kMergeDistance = 2;    // m, edge of the bins in which hypotheses are one
-constexpr double kMergeYaw = 0.1;       // rad
-constexpr double kMergeEvery = 10;      // m driven
-constexpr double kStepYaw = 0.3;        // rad turned between two comparisons
-constexpr double kStandingSpeed = 0.1;  // m/s
-constexpr double kNoStreet = 0.2;       // mean misfit above which no street explains the drive
-constexpr double kMinDriven = 200;      // m, before that is judged
-constexpr double kSameYaw = 0.5;        // rad, of hypotheses that are one place
-constexpr double kNearby =
-    1500;  // m around a believed place, of a map that is too large; bounds time
-constexpr double kMinTurn = 0.1;  // rad between two merges, which is not noise
+constexpr double kMergeDistance = 2;    // m, edge of bins in which they are one (decision 17)
+constexpr double kMergeYaw = 0.1;       // rad (decision 17)
+constexpr double kMergeEvery = 10;      // m driven (decision 17)
+constexpr double kStepYaw = 0.3;        // rad turned between two comparisons (decision 17)
+constexpr double kStandingSpeed = 0.1;  // m/s (decision 17)
+constexpr double kNoStreet = 0.2;       // mean misfit above which no street fits (decision 17)
+constexpr double kMinDriven = 200;      // m, before that is judged (decision 17)
+constexpr double kSameYaw = 0.5;        // rad, of hypotheses that are one place (decision 17)
+constexpr double kNearby = 1500;        // m around a believed place, of a large map; bounds time
+constexpr double kMinTurn = 0.1;        // rad between two merges, which is not noise
 
 double log_add(double a, double b) {
   const double high = std::max(a, b);
@@ -30,7 +29,7 @@ double log_add(double a, double b) {
 }
 
 uint64_t bin_of(const StreetHypothesis& hypothesis) {
-  constexpr double kOffset = 1 << 20, kLevels = 128;  // more than yaws
+  constexpr double kOffset = 1 << 20, kLevels = 128;  // bits of x, y, yaw
   const PlanarPose& pose = hypothesis.pose;
   const auto part = [](double value) { return static_cast<uint64_t>(value + kOffset); };
   return part(std::floor(pose.x / kMergeDistance)) << 42 |

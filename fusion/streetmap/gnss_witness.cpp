@@ -7,7 +7,7 @@
 namespace infuse::streetmap {
 namespace {
 
-constexpr double kOutlier = 3;   // standard deviations above which a fix counts less
+constexpr double kOutlier = 3;  // sigmas above which a fix counts less: 98.9 % of χ² with 2 degrees
 constexpr double kMaxWorth = 2;  // factor of the standard deviations of a refuted receiver
 constexpr double kRefutedFactor = 1.5;
 constexpr double kForgiveSeconds = 60;  // s of agreement until a refuted receiver counts as before

@@ -20,7 +20,8 @@ struct GnssOptions {
   double noise_sigma = 1.5;      ///< m per hdop, of the error that is new with each fix
   double unknown_hdop = 1.5;     ///< hdop where the receiver states none
   double correlation_time = 30;  ///< s over which the slow error stays the same
-  double max_chi_squared = 11;   ///< of two; an offset above contradicts the pose on the map
+  double max_chi_squared = 11;   ///< of an offset that contradicts the pose: 99.6 % of χ² with 2
+                                 ///< degrees of freedom
   double doubt_seconds = 3;      ///< s of contradiction until the pose is UNSURE
   double lost_seconds = 15;      ///< s of contradiction until the pose is LOST
   double silent_seconds = 5;     ///< s after a fix while it can propose a place

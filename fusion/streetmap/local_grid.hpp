@@ -26,14 +26,14 @@ enum Feature : int {
   kRed = 5,
   kGradient = 6,  ///< Sobel magnitude, square root
 };
-inline constexpr int kFeatureCount = 7;
-inline constexpr int kLidarFeatureCount = 3;  ///< number of leading features without a camera
+inline constexpr int kFeatureCount = kGradient + 1;
+inline constexpr int kLidarFeatureCount = kReflectivity + 1;  ///< leading ones, without a camera
 
 /// Settings of `LocalGrid`.
 struct LocalGridOptions {
   double extent = 40;        ///< m, edge of the square around the vehicle
-  double cell_size = 0.1;    ///< m
-  int block_size = 4;        ///< edge of a block in cells; each block becomes one sample
+  double cell_size = 0.1;    ///< m, I 3.4.3.1
+  int block_size = 4;        ///< edge in cells of a block, which is one sample, I 3.4.3.1
   double min_height = -1.0;  ///< m above ground; lower returns are dropped
   double max_height = 3.0;   ///< m above ground; higher returns (tree crowns) are dropped
   double min_range = 1.5;    ///< m from the lidar; nearer returns hit the vehicle itself

@@ -8,14 +8,15 @@
 
 #include "drivers/measurement/camera_frame.hpp"
 #include "drivers/measurement/error.hpp"
+#include "fusion/streetmap/segment_map.hpp"
 
 namespace infuse::streetmap {
 
 /// Settings of `make_map_from_image`.
 struct ImageMapOptions {
-  double metres_per_pixel = 0.2;  ///< edge of a pixel on the ground
-  double edge_threshold = 60;     ///< minimum Sobel magnitude (grey values, 0 … 1442) of a line
-  int min_region_pixels = 25;     ///< pixels; smaller closed regions become part of the lines
+  double metres_per_pixel = MapFrame{}.cell_size;  ///< edge of a pixel on the ground
+  double edge_threshold = 60;  ///< minimum Sobel magnitude (grey values, 0 … 1442) of a line
+  int min_region_pixels = 25;  ///< pixels; smaller closed regions become part of the lines
 
   /// Returns what is wrong, or nothing.
   std::optional<std::string> invalid() const;

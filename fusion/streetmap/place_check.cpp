@@ -9,12 +9,12 @@
 namespace infuse::streetmap {
 namespace {
 
-constexpr double kChiSquared99 = 9.21;   // of two
-constexpr double kMinLogOdds = -9;       // later evidence can outweigh it
+constexpr double kChiSquared99 = 9.21;   // 99 % of χ² with 2 degrees of freedom
+constexpr double kMinLogOdds = -9;       // one in 8100: later evidence can outweigh it
 constexpr double kStepSigma = 0.7;       // m, a place moves to a better pose nearby
 constexpr double kStepYawSigma = 0.015;  // rad
-constexpr int kTriesPerPlace = 20;
-constexpr double kMinContender = -4;  // log-odds above which more poses nearby are attempted
+constexpr int kTriesPerPlace = 20;       // bounds time
+constexpr double kMinContender = -4;  // log-odds, one in 55, above which more poses are attempted
 constexpr int kAttempts = 3;
 
 /// The rigid transform that takes `from` to `to`.

@@ -20,8 +20,8 @@ struct PlaceCheckOptions {
   int like_places = 24;         ///< number of poses drawn on other carriageways, parallel streets
   double max_distance = 90;     ///< m of those
   double like_yaw = 0.08;       ///< rad, standard deviation of their headings about the estimate's
-  double prior_odds = 0.1;      ///< odds of one other place to the estimate before any evidence
-  double max_elsewhere = 0.02;  ///< probability of the other places below which the place is sure
+  double prior_odds = 0.1;      ///< of one other place before any evidence: one in ten
+  double max_elsewhere = 0.02;  ///< of the other places, of one that is sure: one in 50
   double min_better = 2;        ///< log-odds, the prior included, above which a place is proposed
 
   /// Returns what is wrong, or nothing.

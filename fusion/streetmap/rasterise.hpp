@@ -8,18 +8,19 @@
 #include <vector>
 
 #include "drivers/measurement/error.hpp"
+#include "fusion/streetmap/segment_map.hpp"
 #include "fusion/streetmap/street_plan.hpp"
 
 namespace infuse::streetmap {
 
 /// Settings of `rasterise`.
 struct RasterOptions {
-  double cell_size = 0.2;   ///< m
-  double margin = 20;       ///< m of open land around all elements
+  double cell_size = MapFrame{}.cell_size;  ///< m
+  double margin = 20;                       ///< m of open land around all elements
   double corridor = 100;    ///< m around streets and footways that are drawn; without any of them
                             ///< all elements are drawn
-  double max_extent = 1e5;  ///< m, maximum edge length; larger maps are rejected
-  double max_area = 5e8;    ///< m², maximum area that is drawn
+  double max_extent = 1e5;  ///< m, maximum edge length: bounds memory
+  double max_area = 5e8;    ///< m², maximum area that is drawn: bounds memory
 
   /// Returns what is wrong, or nothing.
   std::optional<std::string> invalid() const;

@@ -20,7 +20,7 @@ enum class SegmentKind : uint8_t {
   kImageRegion = 11,  ///< closed region of a map given as an image
   kImageLine = 12,    ///< boundary line of a map given as an image
 };
-inline constexpr int kSegmentKindCount = 13;
+inline constexpr int kSegmentKindCount = static_cast<int>(SegmentKind::kImageLine) + 1;
 
 /// Returns the kind in lower case: "carriageway".
 const char* name_of(SegmentKind kind);

@@ -28,14 +28,14 @@ namespace infuse::streetmap {
 namespace {
 
 constexpr std::array<char, 8> kMagic{'I', 'N', 'F', 'U', 'S', 'E', 'M', 'P'};
-constexpr uint32_t kVersion = 3;
+constexpr uint32_t kVersion = 3;  // of the file, by definition
 constexpr int kCellsPerTile = SegmentMap::kTileSize * SegmentMap::kTileSize;
-constexpr int kMaxTilesPerEdge = 1 << 15;
-constexpr size_t kSegmentBytes = 16;
-constexpr size_t kTileBytes = 8;
+constexpr int kMaxTilesPerEdge = 1 << 15;  // bounds input
+constexpr size_t kSegmentBytes = 16;       // bytes of an entry
+constexpr size_t kTileBytes = 8;           // bytes of an entry
 constexpr int kTilesPerBlock = SegmentMap::kBlockSize * SegmentMap::kBlockSize;
-constexpr uint16_t kRuns = 1;               // encoding
-constexpr size_t kMaxRunPalette = 1 << 10;  // ids that a run can name
+constexpr uint16_t kRuns = 1;               // encoding, by definition
+constexpr size_t kMaxRunPalette = 1 << 10;  // ids that a run can name in 10 bits
 
 struct Header {
   std::array<char, 8> magic = kMagic;
@@ -106,7 +106,7 @@ class Runs {
   /// `at`: offset in `data` of the first byte after the palette.
   Runs(std::span<const std::byte> data, size_t at) : data_(data), at_(at) {}
 
-  static constexpr size_t kMarkBytes = 8;
+  static constexpr size_t kMarkBytes = sizeof(uint64_t);
   uint64_t marks() const { return load<uint64_t>(data_, at_); }
   size_t distinct_rows() const { return static_cast<size_t>(std::popcount(marks())); }
   size_t bytes_before_runs() const { return kMarkBytes + 2 * distinct_rows(); }

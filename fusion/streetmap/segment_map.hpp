@@ -31,8 +31,8 @@ struct MapFrame {
 /// the streets. A look-up is three table reads for any map size, and a short search among runs.
 class SegmentMap {
  public:
-  static constexpr int kTileSize = 64;  ///< cells along a tile's edge
-  static constexpr int kBlockSize = 8;  ///< tiles along a block's edge
+  static constexpr int kTileSize = 64;  ///< cells along its edge; rows are bits of a uint64
+  static constexpr int kBlockSize = 8;  ///< tiles along a block's edge, by definition of the file
 
   static constexpr size_t kHeaderBytes = 96;  ///< bytes before all that depends on the map
 

@@ -6,9 +6,9 @@
 namespace infuse::streetmap {
 namespace {
 
-constexpr double kProfileStep = 0.5;  // m
+constexpr double kProfileStep = StreetGrid::kCell / 2;  // m
 
-// Of a cell.
+// Of a cell, as bits.
 constexpr int kOnTop = 1, kBelow = 2, kJoined = 4;
 
 uint8_t cell_of(const Segment& segment) {

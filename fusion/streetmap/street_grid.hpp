@@ -27,10 +27,10 @@ struct StreetProfile {
 /// leads to the street below but at its ends.
 class StreetGrid {
  public:
-  static constexpr int kAnyLevel = 100;        ///< not known, or where two levels are joined
-  static constexpr int kBelowGround = -100;    ///< in a tunnel
-  static constexpr double kCell = 1;           ///< m, edge of a cell
-  static constexpr double kMaxArea = 1e9;      ///< m², of a map that can be read; bounds memory
+  static constexpr int kAnyLevel = 100;      ///< by definition: not known, or two levels are joined
+  static constexpr int kBelowGround = -100;  ///< by definition: in a tunnel
+  static constexpr double kCell = 1;         ///< m, edge of a cell
+  static constexpr double kMaxArea = 1e9;    ///< m², of a map that can be read: bounds memory
   static constexpr double kProfileReach = 16;  ///< m to either side
 
   /// No streets.

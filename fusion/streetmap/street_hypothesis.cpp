@@ -7,7 +7,7 @@
 namespace infuse::streetmap {
 namespace {
 
-constexpr double kStartYawSigma = 0.12;  // rad
+constexpr double kStartYawSigma = 0.12;  // rad (decision 17)
 
 using Vector5 = Eigen::Matrix<double, 5, 1>;
 

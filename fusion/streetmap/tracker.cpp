@@ -14,7 +14,6 @@ namespace {
 constexpr size_t kMinSamples = 100;
 constexpr double kViewYawSigma = 0.03;  // rad, heading accuracy of one view
 constexpr double kMinJump = 3;          // m of the estimate in one update: another place
-constexpr double kMaxReplaced = 0.2;    // weight of a second mode that one of those replaces
 
 /// Half the edge of the map window that the other places of `PlaceCheck` need.
 double wide_window_radius(const TrackerOptions& options) {
@@ -275,7 +274,7 @@ void Tracker::add_score(const GridSamples& samples, ScoreSignificance& significa
 // z-score of n null scores has the variance 1/n + z²/2(n - 1) (Hedges 1981, of a standardised
 // mean).
 void Tracker::judge_standing(const GridSamples& samples) {
-  constexpr double kSigmas = 3;  // 99.7 %
+  constexpr double kSigmas = 3;  // 99.7 % of a Gaussian
   if (state_ != TrackState::kTracking) return;
   const PoseMoments moments = particles_.moments();
   read_windows(moments);
@@ -326,7 +325,7 @@ void Tracker::check_place(const GridSamples& samples, const PlanarPose& before) 
   place_check_.update(pose, moments.covariance, options_.sharpness * mode_novelty_, score,
                       std::cref(by_others));
   const double second = particles_.second_mode_weight();
-  if (second > (is_doubted() ? kMaxReplaced : 0)) return;
+  if (second > (is_doubted() ? options_.confidence.max_tracking_second_mode_weight : 0)) return;
   if (propose_street(pose) || second > 0) return;
   if (const auto candidate = place_check_.propose()) {
     particles_.add_mode(*candidate, Eigen::Vector3d(1, 1, 0.0016).asDiagonal());

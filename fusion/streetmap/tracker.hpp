@@ -125,7 +125,7 @@ class Tracker {
 
  private:
   static constexpr const char* kDisagreement = "the particles do not agree";
-  static constexpr double kMaxSpread = 20;  // m, of particles that all lie in the window
+  static constexpr double kMaxSpread = 20;  // m, derived from LocalGridOptions::extent: half of it
 
   void search_streets(const PlanarPose& motion, const Eigen::Matrix3d& covariance, Duration step);
   void begin_search();

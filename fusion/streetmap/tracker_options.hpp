@@ -16,13 +16,14 @@ namespace infuse::streetmap {
 
 /// Settings of `ParticleSet`.
 struct ParticleOptions {
-  int min_count = 100;          ///< number of particles while they agree
+  int min_count = 100;          ///< number of particles while they agree, I 3.4.3.1
   int max_count = 800;          ///< number of particles while they are spread out
   double bin_size = 0.6;        ///< m: edge of the bins that measure the spread
   double yaw_bin_size = 0.035;  ///< rad
   double distance_noise =
       0.015;                  ///< m per √m driven, in addition to the covariance of the odometry
-  double scale_sigma = 0.01;  ///< standard deviation of true over measured distance
+  double scale_sigma = 0.01;  ///< of true over measured distance; derived from
+                              ///< `motion::OdometryOptions::wheel_scale_sigma`
   double scale_correlation_distance = 4000;  ///< m driven
   double yaw_rate_bias_sigma =
       0.001;  ///< rad/s, standard deviation of true minus measured yaw rate
@@ -42,7 +43,7 @@ struct ParticleOptions {
 struct ConfidenceOptions {
   int null_draws = 10;  ///< number of displaced poses per update, the null distribution
   int window = 12;      ///< updates over which scores are compared with the null distribution
-  double max_tracking_p_value = 0.05;  ///< maximum p-value of TRACKING
+  double max_tracking_p_value = 0.05;  ///< of TRACKING: by chance one in twenty
   double max_kept_p_value = 0.35;      ///< p-value up to which a confirmed place stays TRACKING;
                                        ///< above, it is checked again
   double max_tracking_spread =

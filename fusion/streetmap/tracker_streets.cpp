@@ -13,10 +13,10 @@ namespace {
 constexpr double kMaxSearched = 2000;      // m of streets that the search witnesses while TRACKING
 constexpr double kMinWitnessSpeed = 1;     // m/s, slower, time brings no other view
 constexpr double kMinJudged = 100;         // m driven until the search judges an estimate
-constexpr double kMinContradiction = 2.3;  // log-odds of another street to that of an estimate …
-constexpr double kMinProposed = 4.6;       // … that keep it from TRACKING, that make a mode
-constexpr double kProposalRadius = 120;    // m, of streets that are proposed instead
-constexpr double kMaxSquaredDistance = 13.8;  // in units of variance, 99.9 % of two
+constexpr double kMinContradiction = 2.3;  // log-odds of another street: by chance one in ten, …
+constexpr double kMinProposed = 4.6;  // … that keeps it from TRACKING; one in a hundred, a mode
+constexpr double kProposalRadius = 120;       // m, of streets that are proposed instead
+constexpr double kMaxSquaredDistance = 13.8;  // 99.9 % of χ² with 2 degrees of freedom
 constexpr double kFoundYawSigma = 0.03;       // rad, of streets on the map
 constexpr PlanarPose kWitnessOffsets[] = {
     {0, 0, 0}, {0, 1.5, 0}, {0, -1.5, 0}, {2.5, 0, 0}, {-2.5, 0, 0}};  // m

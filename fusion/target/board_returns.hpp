@@ -20,7 +20,8 @@ struct BoardReturnsOptions {
   double thickness = 0.05;  ///< m; maximum distance of a return from the plane (2.5 σ of the range:
                             ///< 98.8 % of a Gaussian)
   int min_returns = 30;         ///< minimum number of returns on a board
-  int ransac_iterations = 400;  ///< RANSAC iterations, three returns each
+  int ransac_iterations = 400;  ///< of three returns: with a third of them on the board, one in a
+                                ///< million fails (Fischler and Bolles 1981)
   uint64_t seed = 1;
 
   /// Returns what is wrong with the settings, or nothing.

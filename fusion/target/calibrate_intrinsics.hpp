@@ -8,6 +8,7 @@
 
 #include "fusion/target/corner_equations.hpp"
 #include "fusion/target/image_coverage.hpp"
+#include "fusion/target/solve_target.hpp"
 #include "fusion/target/target_model.hpp"
 
 namespace infuse::target {
@@ -17,7 +18,7 @@ struct CalibrateIntrinsicsOptions {
   /// Minimum number of views; derived from the covariance's ratio of scores, which 8 views know to
   /// √(2 / (8 · 9)) = 17 %.
   size_t min_views = 8;
-  double max_rejected = 0.25;  ///< maximum share of the views; derived from `SolveTargetOptions`
+  double max_rejected = SolveTargetOptions{}.max_rejected;  ///< maximum share of the views
   /// px; a model that is farther off is not the camera's: the detector finds corners to 0.1 px
   /// (Duda and Frese 2018).
   double max_rms = 1;

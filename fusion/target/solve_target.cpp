@@ -17,12 +17,12 @@ namespace {
 using geometry::Matrix6;
 using geometry::Vector6;
 
-constexpr int kRobustRounds = 10;  // enough for the weights to settle
-constexpr int kRounds = 4;         // linearisations; the start is within a degree
+constexpr int kRobustRounds = 10;  // bounds time: the weights have settled
+constexpr int kRounds = 4;         // linearisations; bounds time: the start is within a degree
 constexpr double kStudentFreedom =
     4;  // of the boards' shifts in the start, as in Lange et al. 1989
 constexpr double kMadToSigma = 1.4826;  // 1 ÷ Φ⁻¹(¾): half of a Gaussian, 50 % of it, lies within
-constexpr double kMinNoise = 1e-6;      // m; returns without noise
+constexpr double kMinNoise = 1e-6;  // m, without noise; its square is far above double precision
 
 /// The views with their equations at one pose.
 class Solver {

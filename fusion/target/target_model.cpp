@@ -14,7 +14,7 @@ namespace {
 constexpr double kMinSlope = 0.1;  // cosine of the angle between beam and normal: 84°
 constexpr double kTail = 0.1;  // share of returns beyond "darkest" and "brightest": the squares'
                                // two clusters, without their tails
-constexpr double kMinShift = 1e-6;  // m and rad; keeps an exact board's covariance invertible
+constexpr double kMinShift = 1e-6;  // m and rad; exact boards are inverted in double precision
 
 /// Derivative of a point by the distance from the axis (z) of where the beams cross.
 Eigen::Vector3d by_origin(const Eigen::Vector3d& point) {

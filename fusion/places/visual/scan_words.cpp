@@ -15,7 +15,7 @@ namespace infuse::places {
 namespace {
 
 constexpr float kLowest = -2;
-constexpr float kReach = 39;  // m
+constexpr float kReach = kPlaceSide / 2 - 1;  // m
 
 /// Rank of every grey value within an image, 0 … 7.
 std::array<int16_t, 256> grey_levels(const features::Plane& image) {

@@ -7,7 +7,7 @@
 namespace infuse::registration {
 namespace {
 
-constexpr float kMaxCells = 1e6F;  // farther points share the cells of the border
+constexpr float kMaxCells = 1e6F;  // whole in single precision; farther points share the border's
 
 }  // namespace
 

@@ -21,7 +21,7 @@ struct InformationAlignmentOptions {
   double coarse_radius = 1.5;  ///< m, of correspondences at first
   double fine_radius = 0.3;    ///< m, of correspondences in the end
   double max_distance = 12;    ///< m, between the scans, for the grid
-  /// rad, change of heading between the scans, for the grid: at a crossing anything.
+  /// rad, change of heading between the scans, for the grid: above π, at a crossing anything.
   double max_heading = 3.2;
   int candidates = 8;               ///< maximum number of grid poses that are refined
   size_t min_codewords = 60;        ///< of each scan; fewer are not aligned

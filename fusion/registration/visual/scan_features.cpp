@@ -15,7 +15,6 @@
 namespace infuse::registration {
 namespace {
 
-constexpr double kVoxel = 0.5;           // m, of the points with FPFH
 constexpr size_t kShapePoints = 1000;    // keypoints of a scan with FPFH alone, as P 4.4.1
 constexpr size_t kTexturePoints = 5000;  // a quarter of P 4.4.1: a sixteenth of the time
 constexpr std::array<std::string_view, 4> kNames{"reflectivity-grey", "fpfh", "sift", "fpfh-sift"};
@@ -37,7 +36,7 @@ struct Shapes {
 
 Shapes compute_shapes(const features::SweepView& sweep) {
   Shapes shapes;
-  const PointCloud thin = voxel_downsample(sweep.points, kVoxel);
+  const PointCloud thin = voxel_downsample(sweep.points, features::kFpfhGrid);
   for (size_t i = 0; i < thin.size(); ++i)
     shapes.points.emplace_back(thin.x[i], thin.y[i], thin.z[i]);
   shapes.cloud = features::compute_fpfh(shapes.points);
@@ -45,7 +44,7 @@ Shapes compute_shapes(const features::SweepView& sweep) {
 }
 
 uint64_t key_of(const Eigen::Vector3f& p) {
-  const auto cell = [](float c) { return floor_to_int(c / kVoxel); };
+  const auto cell = [](float c) { return floor_to_int(c / features::kFpfhGrid); };
   return voxel_key(cell(p.x()), cell(p.y()), cell(p.z()));
 }
 
