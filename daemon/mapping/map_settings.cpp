@@ -11,6 +11,7 @@ std::optional<std::string> MapSettings::invalid() const {
   if (auto wrong = search.invalid()) return wrong;
   if (auto wrong = check.invalid()) return wrong;
   if (auto wrong = join.invalid()) return wrong;
+  if (auto wrong = kept_clouds.invalid()) return wrong;
   return earth.invalid();
 }
 
@@ -61,6 +62,9 @@ nlohmann::ordered_json to_json(const MapSettings& settings) {
             {"min_closures", j.agreement.min_closures},
             {"widening", j.agreement.widening},
             {"max_rival", j.agreement.max_rival}}},
+          {"kept_clouds",
+           {{"distance", settings.kept_clouds.distance},
+            {"min_seen", settings.kept_clouds.min_seen}}},
           {"earth",
            {{"sigma", e.sigma},
             {"vertical_factor", e.vertical_factor},

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <numeric>
 
 #include "daemon/command_line/progress_line.hpp"
 #include "daemon/mapping/cloud_file.hpp"
@@ -83,7 +84,9 @@ class DriveMapper {
       return fail("no motion was found in its sweeps", "",
                   sweeps_ == 0 ? "the lidar has no sweeps" : "see infuse odometry");
     }
-    folder_.remove_clouds_from(keyframes_.size());
+    std::vector<size_t> all(keyframes_.size());
+    std::iota(all.begin(), all.end(), size_t{0});
+    folder_.keep_clouds(all);  // an interrupted run of other content may have left some
     manifest["sweeps"] = sweeps_;
     manifest["unmeasured"] = submaps_.picker().unmeasured();
     manifest["unregistered"] = submaps_.picker().unregistered();

@@ -16,8 +16,10 @@
 
 namespace infuse::daemon {
 
-/// Writes a complete map of keyframes along x, `spacing` m apart: a few points each.
-inline void write_small_map(const std::filesystem::path& path, size_t count, double spacing) {
+/// Writes a complete map of keyframes along x, `spacing` m apart: a few points each. All keep their
+/// clouds, or those of `kept`.
+inline void write_small_map(const std::filesystem::path& path, size_t count, double spacing,
+                            const std::vector<size_t>& kept = {}) {
   const MapFolder folder(path);
   ASSERT_TRUE(folder.create());
   std::vector<MapKeyframe> keyframes;
@@ -43,6 +45,10 @@ inline void write_small_map(const std::filesystem::path& path, size_t count, dou
   ASSERT_TRUE(write_drive(folder, drive, keyframes, {},
                           std::vector<places::PlaceDescriptor>(keyframes.size())));
   MapJson map = make_manifest();
+  if (!kept.empty()) {
+    map[kKeptClouds] = kept;
+    folder.keep_clouds(kept);
+  }
   const std::string graph_text = format_g2o(graph);
   ASSERT_TRUE(folder.write(map_file::kGraph, graph_text));
   map["files"][map_file::kGraph] = text::checksum(graph_text);
