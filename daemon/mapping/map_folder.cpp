@@ -23,7 +23,7 @@ namespace infuse::daemon {
 namespace {
 
 constexpr const char* kMapFormat = "infuse map";
-constexpr int kMapVersion = 2;
+constexpr int kMapVersion = 3;
 constexpr size_t kMaxMapFileBytes = size_t{256} << 20;
 constexpr std::array kMapFileNames{
     map_file::kDrive,    map_file::kKeyframes,       map_file::kFixes, map_file::kPlaces,
@@ -45,7 +45,7 @@ void remove_leftovers(const std::filesystem::path& folder) {
        it.increment(error)) {
     const std::string name = it->path().filename().string();
     const std::string stem = name.substr(0, name.size() - std::min(name.size(), kSuffix));
-    const bool is_ours = stem.ends_with(".pcd") || stem.ends_with(".csv") ||
+    const bool is_ours = stem.ends_with(".zst") || stem.ends_with(".csv") ||
                          stem.ends_with(".json") || stem.ends_with(".g2o") ||
                          stem.ends_with(".tum") || stem.ends_with(".bin");
     if (is_ours && name[stem.size()] == '.') leftovers.push_back(it->path());
@@ -234,7 +234,7 @@ Result<std::string> MapFolder::read_stated(const MapJson& manifest, const std::s
 }
 
 std::string MapFolder::cloud_name(size_t keyframe) {
-  return fmt::format("{}/{:06}.pcd", map_file::kClouds, keyframe);
+  return fmt::format("{}/{:06}.pcd.zst", map_file::kClouds, keyframe);
 }
 
 std::string MapFolder::trajectory_name(size_t drive) {
@@ -242,11 +242,17 @@ std::string MapFolder::trajectory_name(size_t drive) {
                     : fmt::format("{}_{}.tum", map_file::kTrajectory, drive + 1);
 }
 
+Result<std::string> MapFolder::write_cloud(size_t keyframe, const mapping::Submap& cloud) const {
+  const auto bytes = compress_cloud(cloud);
+  if (!bytes) return bytes;
+  return write(cloud_name(keyframe), *bytes).map([&] { return text::checksum(*bytes); });
+}
+
 Result<mapping::Submap> MapFolder::read_cloud(const std::vector<MapKeyframe>& keyframes,
                                               size_t k) const {
   const std::string name = cloud_name(k);
   return read(name, keyframes[k].cloud_checksum).and_then([&](const std::string& bytes) {
-    return parse_cloud_pcd(bytes, path_of(name));
+    return parse_compressed_cloud(bytes, keyframes[k].points, path_of(name));
   });
 }
 

@@ -79,6 +79,8 @@ class MapFolder {
   static std::string cloud_name(size_t keyframe);
   /// trajectory.tum of the first drive, trajectory_2.tum of the second …
   static std::string trajectory_name(size_t drive);
+  /// Writes the cloud of a keyframe; returns its checksum.
+  Result<std::string> write_cloud(size_t keyframe, const mapping::Submap& cloud) const;
   Result<mapping::Submap> read_cloud(const std::vector<MapKeyframe>& keyframes, size_t k) const;
 
  private:

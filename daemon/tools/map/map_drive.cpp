@@ -7,12 +7,10 @@
 #include <numeric>
 
 #include "daemon/command_line/progress_line.hpp"
-#include "daemon/mapping/cloud_file.hpp"
 #include "daemon/mapping/place_map.hpp"
 #include "daemon/playback/play_lidar.hpp"
 #include "daemon/protocol/json_encoder.hpp"
 #include "daemon/tools/map/lidar_replay.hpp"
-#include "drivers/text/checksum.hpp"
 #include "fusion/features/air_returns.hpp"
 #include "fusion/mapping/keyframe_submaps.hpp"
 #include "fusion/places/place_descriptor.hpp"
@@ -108,10 +106,12 @@ class DriveMapper {
   void store(const mapping::KeyframeSubmap& ended) {
     if (failed_) return;
     places_.push_back(places::describe_place(ended.submap.points(), T_vehicle_lidar_));
-    const std::string bytes = format_cloud_pcd(ended.submap);
-    keyframes_.push_back({ended.keyframe, ended.submap.size(), text::checksum(bytes)});
-    const auto written = folder_.write(MapFolder::cloud_name(keyframes_.size() - 1), bytes);
-    if (!written) failed_ = written.error();
+    auto written = folder_.write_cloud(keyframes_.size(), ended.submap);
+    if (!written) {
+      failed_ = written.error();
+      return;
+    }
+    keyframes_.push_back({ended.keyframe, ended.submap.size(), *std::move(written)});
   }
 
   /// Where the vehicle was at a time, if sweeps on both sides tell.

@@ -184,7 +184,7 @@ TEST_F(MapDrive, GivesTheSameBytesAfterKills) {
   const size_t second_row = closures.find('\n', closures.find('\n') + 1) + 1;
   ASSERT_LT(second_row, closures.size());
   write_file(between + "/closures.csv", closures.substr(0, second_row));
-  write_file(between + "/clouds/000007.pcd.q1w2e3", "half a file");
+  write_file(between + "/clouds/000007.pcd.zst.q1w2e3", "half a file");
   const std::string go_on = "map " + (made_->folder / "drive").string() + " -o " + between;
   for (const char* last : {"map.json", "trajectory.tum", "graph.g2o"}) {
     std::filesystem::remove(between + "/" + last);

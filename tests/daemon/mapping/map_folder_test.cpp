@@ -34,11 +34,11 @@ TEST(MapFolder, ACloudThatIsOverwrittenIsAnErrorWithItsName) {
   write_small_map(folder / "map", 3, 2);
   const auto map = open_place_map(*MapFolder(folder / "map").hold());
   ASSERT_TRUE(map);
-  fs::resize_file(folder / "map/clouds/000001.pcd", 40);
+  fs::resize_file(folder / "map/clouds/000001.pcd.zst", 40);
   EXPECT_TRUE(map->read_cloud(0));
   const auto cut = map->read_cloud(1);
   ASSERT_FALSE(cut);
-  EXPECT_EQ(cut.error().where, (folder / "map/clouds/000001.pcd").string());
+  EXPECT_EQ(cut.error().where, (folder / "map/clouds/000001.pcd.zst").string());
   fs::remove_all(folder / "map");
   EXPECT_FALSE(map->read_cloud(0));
 }
@@ -46,7 +46,7 @@ TEST(MapFolder, ACloudThatIsOverwrittenIsAnErrorWithItsName) {
 TEST(MapFolder, PlacesAreTheKeyframesThatKeepTheirClouds) {
   const ScratchFolder folder;
   write_small_map(folder / "map", 5, 2, {1, 4});
-  EXPECT_FALSE(fs::exists(folder / "map/clouds/000003.pcd"));
+  EXPECT_FALSE(fs::exists(folder / "map/clouds/000003.pcd.zst"));
   const auto map = open_place_map(MapFolder(folder / "map"));
   ASSERT_TRUE(map) << map.error().message();
   ASSERT_EQ(map->T_map_vehicle.size(), 2U);

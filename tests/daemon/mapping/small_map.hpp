@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "daemon/mapping/cloud_file.hpp"
 #include "daemon/mapping/g2o_file.hpp"
 #include "daemon/mapping/place_map.hpp"
 #include "drivers/text/checksum.hpp"
@@ -31,11 +30,11 @@ inline void write_small_map(const std::filesystem::path& path, size_t count, dou
     keyframe.keyframe.stamp = infuse::at(static_cast<double>(k) + 1);
     keyframe.keyframe.distance_driven = spacing * static_cast<double>(k);
     keyframe.keyframe.T_odom_vehicle.translation().x() = keyframe.keyframe.distance_driven;
-    const std::string cloud =
-        format_cloud_pcd(cloud_of({{1, 2, 0, 0.5F}, {static_cast<float>(spacing), 3, 1, 0.25F}}));
+    const auto checksum = folder.write_cloud(
+        k, cloud_of({{1, 2, 0, 0.5F}, {static_cast<float>(spacing), 3, 1, 0.25F}}));
+    ASSERT_TRUE(checksum);
     keyframe.points = 2;
-    keyframe.cloud_checksum = text::checksum(cloud);
-    ASSERT_TRUE(folder.write(MapFolder::cloud_name(k), cloud));
+    keyframe.cloud_checksum = *checksum;
     keyframes.push_back(keyframe);
     graph.graph.poses.push_back(keyframe.keyframe.T_odom_vehicle);
     graph.ids.push_back(static_cast<int64_t>(k) + 1);
