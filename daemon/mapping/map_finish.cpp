@@ -74,13 +74,10 @@ std::optional<mapping::DriveJoin> earlier_join(const std::vector<mapping::Closur
 
 /// Seeks where the further drives of a merged map join those before; appends what was tried to
 /// `closures`. Fails if one shares no place with them.
-Result<std::vector<mapping::DriveJoin>> join_drives(const MapFolder& folder, const MapDrive& drive,
-                                                    const std::vector<mapping::Keyframe>& keyframes,
-                                                    const Descriptors& descriptors,
-                                                    const places::JoinOptions& options,
-                                                    ClosureVerifier& verifier,
-                                                    const MapProgress& progress,
-                                                    std::vector<mapping::Closure>& closures) {
+Result<std::vector<mapping::DriveJoin>> join_drives(
+    const MapFolder& folder, const MapDrive& drive, const std::vector<mapping::Keyframe>& keyframes,
+    const Descriptors& descriptors, const places::JoinOptions& options, ClosureVerifier& verifier,
+    const MapProgress& progress, std::vector<mapping::Closure>& closures) {
   std::vector<mapping::DriveJoin> joins;
   const std::vector<size_t>& first = drive.first_keyframes;
   for (size_t d = 1; d < first.size(); ++d) {
@@ -308,8 +305,8 @@ Result<MapSummary> finish_map(const MapFolder& folder, const MapDrive& drive,
   }
   if (settings.close_loops) {
     size_t accepted = 0;
-    const auto found = mapping::search_closures(keyframes, *joins, drive.closures, known, settings.search,
-                                                [&](mapping::Closure& closure) {
+    const auto found = mapping::search_closures(keyframes, *joins, drive.closures, known,
+                                                settings.search, [&](mapping::Closure& closure) {
                                                   progress(closure.to, keyframes.size(), accepted);
                                                   auto verified = verifier.verify(closure);
                                                   if (verified && closure.accepted()) ++accepted;

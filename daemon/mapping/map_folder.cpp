@@ -287,10 +287,10 @@ Result<MapDrive> read_map_drive(const MapFolder& folder) {
     }
   }
   if (!drive.manifest["files"].contains(map_file::kEarlierClosures)) return drive;
-  auto closures =
-      folder.read_stated(drive.manifest, map_file::kEarlierClosures).and_then([&](const auto& text) {
-        return parse_closures(text, folder.path_of(map_file::kEarlierClosures));
-      });
+  auto closures = folder.read_stated(drive.manifest, map_file::kEarlierClosures)
+                      .and_then([&](const auto& text) {
+                        return parse_closures(text, folder.path_of(map_file::kEarlierClosures));
+                      });
   if (!closures) return tl::unexpected(closures.error());
   for (const mapping::Closure& closure : *closures) {
     if (closure.to >= drive.keyframes.size()) {
@@ -318,8 +318,8 @@ Result<MapContent> read_map(const MapFolder& folder) {
   auto drive = read_map_drive(folder);
   if (!drive) return tl::unexpected(drive.error());
   map.drive = *std::move(drive);
-  if (auto kept = apply_kept_clouds(map.manifest, map.drive.keyframes,
-                                    folder.path_of(map_file::kMap));
+  if (auto kept =
+          apply_kept_clouds(map.manifest, map.drive.keyframes, folder.path_of(map_file::kMap));
       !kept) {
     return tl::unexpected(kept.error());
   }

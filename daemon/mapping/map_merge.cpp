@@ -21,9 +21,10 @@ struct Part {
 /// The closures that a complete map is made of.
 Result<std::vector<mapping::Closure>> read_closures(const MapFolder& folder,
                                                     const MapContent& content) {
-  auto sought = folder.read_stated(content.manifest, map_file::kClosures).and_then([&](const auto& text) {
-    return parse_closures(text, folder.path_of(map_file::kClosures));
-  });
+  auto sought =
+      folder.read_stated(content.manifest, map_file::kClosures).and_then([&](const auto& text) {
+        return parse_closures(text, folder.path_of(map_file::kClosures));
+      });
   if (!sought) return sought;
   std::vector<mapping::Closure> closures = content.drive.closures;
   closures.insert(closures.end(), sought->begin(), sought->end());

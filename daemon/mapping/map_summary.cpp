@@ -31,9 +31,8 @@ MapJson to_json(const MapSummary& summary) {
 }
 
 std::string to_text(const MapSummary& summary) {
-  std::string text =
-      fmt::format("{} keyframes from {} sweeps, {:.1f} m, {} clouds kept", summary.keyframes,
-                  summary.sweeps, summary.way, summary.clouds);
+  std::string text = fmt::format("{} keyframes from {} sweeps, {:.1f} m, {} clouds kept",
+                                 summary.keyframes, summary.sweeps, summary.way, summary.clouds);
   if (summary.drives > 1) text += fmt::format(", {} drives", summary.drives);
   if (summary.unregistered > 0) {
     text += fmt::format(", {} sweep(s) not registered, the motion of {} of them unknown",

@@ -9,7 +9,7 @@
 
 namespace infuse::mapping {
 
-/// Positions by the cells of a level grid: finds what is near without a look at all.
+/// Positions by the cells of a level grid: what is near is found without comparing all.
 class PositionGrid {
  public:
   /// `cell` is the side of a cell, m; look-ups are quickest at radii of that order.

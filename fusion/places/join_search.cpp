@@ -41,8 +41,8 @@ Result<JoinSearch> search_join(const std::vector<mapping::Keyframe>& keyframes,
       if (tried.size() == options.candidates) break;
       const size_t place = keyframe_of[candidate.place];
       const bool is_near = std::any_of(tried.begin(), tried.end(), [&](size_t other) {
-        return std::abs(keyframes[other].distance_driven -
-                        keyframes[place].distance_driven) < options.distinct;
+        return std::abs(keyframes[other].distance_driven - keyframes[place].distance_driven) <
+               options.distinct;
       });
       if (is_near) continue;
       tried.push_back(place);

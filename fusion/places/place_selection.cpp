@@ -45,9 +45,8 @@ std::vector<size_t> select_places(const std::vector<mapping::Keyframe>& keyframe
   for (size_t k = keyframes.size(); k-- > 0;) {
     if (keyframes[k].has_cloud) newest.push_back(k);
   }
-  std::stable_sort(newest.begin(), newest.end(), [&](size_t a, size_t b) {
-    return keyframes[a].stamp > keyframes[b].stamp;
-  });
+  std::stable_sort(newest.begin(), newest.end(),
+                   [&](size_t a, size_t b) { return keyframes[a].stamp > keyframes[b].stamp; });
   mapping::PositionGrid grid(options.distance);
   std::vector<size_t> kept;
   for (const size_t k : newest) {

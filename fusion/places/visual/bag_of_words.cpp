@@ -8,8 +8,8 @@
 namespace infuse::places {
 namespace {
 
-/// Diameter, pixels. What is finer is found in the doubled image alone (Lowe 2004, section 3.3): the
-/// camera's noise, which no second visit shows.
+/// Diameter, pixels. What is finer is found in the doubled image alone (Lowe 2004, section 3.3):
+/// the camera's noise, which no second visit shows.
 constexpr float kMinKeypointSize = 4;
 
 }  // namespace

@@ -13,8 +13,8 @@ namespace infuse::places {
 Eigen::MatrixXf sift_descriptors(const CameraFrame& frame, int most);
 
 /// Bag of words (Sivic and Zisserman 2003, as in P 5.3.2): words of each place weighted by their
-/// frequency, its root where they repeat (Jégou, Douze and Schmid 2009), and rarity among the places.
-/// A vocabulary that is small against the keypoints of the places has no rare words.
+/// frequency, its root where they repeat (Jégou, Douze and Schmid 2009), and rarity among the
+/// places. A vocabulary that is small against the keypoints of the places has no rare words.
 class BagOfWords {
  public:
   /// `places` has the words of each place, below `vocabulary`.

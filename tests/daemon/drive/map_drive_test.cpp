@@ -204,9 +204,8 @@ TEST_F(MapDrive, RefusesDamagedMapsAndNamesTheFile) {
   const auto drive = read_map_drive(MapFolder(made_->map()));
   ASSERT_TRUE(drive);
   const std::string cloud = MapFolder::cloud_name(drive->keyframes.size() - 1);
-  for (const std::string& name :
-       {cloud, std::string("keyframes.csv"), std::string("fixes.csv"), std::string("drive.json"),
-        std::string("graph.g2o")}) {
+  for (const std::string& name : {cloud, std::string("keyframes.csv"), std::string("fixes.csv"),
+                                  std::string("drive.json"), std::string("graph.g2o")}) {
     const std::string map = copy("damaged" + std::to_string(index++));
     flip(map + "/" + name);
     std::string command = "map export " + map + " -o ";

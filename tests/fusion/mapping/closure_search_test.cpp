@@ -113,7 +113,8 @@ TEST(ClosureSearch, UsesKnownPosesWhereTheyAreMoreCertain) {
   const auto truth = circle();
   const auto keyframes = drifting(truth, 4e-3, 0.05);
   const auto alone = search_closures(keyframes, {}, {}, {}, {}, perfect(truth, 2));
-  const auto known = search_closures(keyframes, {}, {}, KnownPoses{truth, 0.5}, {}, perfect(truth, 2));
+  const auto known =
+      search_closures(keyframes, {}, {}, KnownPoses{truth, 0.5}, {}, perfect(truth, 2));
   ASSERT_TRUE(alone && known);
   const auto accepted = [](const std::vector<Closure>& closures) {
     return std::count_if(closures.begin(), closures.end(),

@@ -59,8 +59,8 @@ TEST(PlaceSelection, GrowsWithTheAreaAndNotWithTheLaps) {
   for (const Eigen::Isometry3d& T : drive.T_map_vehicle) {
     double nearest = 1e9;
     for (const size_t k : kept)
-      nearest = std::min(
-          nearest, (drive.T_map_vehicle[k].translation() - T.translation()).head<2>().norm());
+      nearest = std::min(nearest,
+                         (drive.T_map_vehicle[k].translation() - T.translation()).head<2>().norm());
     EXPECT_LT(nearest, PlaceSelectionOptions().distance);
   }
 }
