@@ -29,8 +29,14 @@ Result<std::vector<mapping::Closure>> read_closures(const MapFolder& folder,
   std::vector<mapping::Closure> closures = content.drive.closures;
   closures.insert(closures.end(), sought->begin(), sought->end());
   std::set<std::pair<size_t, size_t>> outvoted;
-  for (const MapJson& pair : content.manifest.value("outvoted_closures", MapJson::array()))
-    outvoted.emplace(pair.at(0).get<size_t>(), pair.at(1).get<size_t>());
+  for (const MapJson& pair : content.manifest.value("outvoted_closures", MapJson::array())) {
+    const bool sound = pair.is_array() && pair.size() == 2 && pair[0].is_number_unsigned() &&
+                       pair[1].is_number_unsigned();
+    if (!sound) {
+      return fail("outvoted_closures are not pairs of keyframes", folder.path_of(map_file::kMap));
+    }
+    outvoted.emplace(pair[0].get<size_t>(), pair[1].get<size_t>());
+  }
   std::erase_if(closures, [&](const mapping::Closure& closure) {
     return !closure.accepted() || outvoted.contains({closure.from, closure.to});
   });
