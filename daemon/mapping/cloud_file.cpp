@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "drivers/mcap/compression.hpp"
 #include "drivers/recording/pcd_header.hpp"
 
 namespace infuse::daemon {
@@ -25,6 +26,13 @@ void append_points(const mapping::Submap& cloud, std::string& bytes) {
   }
 }
 
+std::string cloud_header(size_t points) {
+  const std::string count = std::to_string(points);
+  return "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\n"
+         "COUNT 1 1 1 1\nWIDTH " +
+         count + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count + "\nDATA binary\n";
+}
+
 bool is_cloud_header(const recording::PcdHeader& header) {
   constexpr std::array<const char*, 4> kNames{"x", "y", "z", "intensity"};
   if (header.data != recording::PcdData::kBinary || header.fields.size() != kNames.size()) {
@@ -42,11 +50,7 @@ bool is_cloud_header(const recording::PcdHeader& header) {
 }  // namespace
 
 std::string format_cloud_pcd(const mapping::Submap& cloud) {
-  const std::string count = std::to_string(cloud.size());
-  std::string bytes =
-      "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\n"
-      "COUNT 1 1 1 1\nWIDTH " +
-      count + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count + "\nDATA binary\n";
+  std::string bytes = cloud_header(cloud.size());
   append_points(cloud, bytes);
   return bytes;
 }
@@ -80,6 +84,24 @@ Result<mapping::Submap> parse_cloud_pcd(std::string_view bytes, const std::strin
     }
   }
   return cloud;
+}
+
+Result<std::string> compress_cloud(const mapping::Submap& cloud) {
+  const std::string plain = format_cloud_pcd(cloud);
+  std::vector<uint8_t> out;
+  return mcap::compress_chunk(mcap::Compression::kZstd,
+                              {reinterpret_cast<const uint8_t*>(plain.data()), plain.size()}, out)
+      .map([&] { return std::string(out.begin(), out.end()); });
+}
+
+Result<mapping::Submap> parse_compressed_cloud(std::string_view bytes, size_t points,
+                                               const std::string& name) {
+  std::vector<uint8_t> plain;
+  const auto done = mcap::decompress_chunk(
+      mcap::Compression::kZstd, {reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()},
+      cloud_header(points).size() + points * kCloudPointBytes, plain);
+  if (!done) return fail(done.error().what, name);
+  return parse_cloud_pcd({reinterpret_cast<const char*>(plain.data()), plain.size()}, name);
 }
 
 }  // namespace infuse::daemon

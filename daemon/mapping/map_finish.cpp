@@ -20,6 +20,8 @@ namespace {
 constexpr double kUnknownHeight = 1e3;  // m, standard deviation
 constexpr const char* kOutvoted = "contradicts the other closures";
 
+using Descriptors = std::vector<places::PlaceDescriptor>;
+
 std::vector<mapping::Keyframe> plain_keyframes(const MapDrive& drive) {
   std::vector<mapping::Keyframe> keyframes;
   for (const MapKeyframe& keyframe : drive.keyframes) keyframes.push_back(keyframe.keyframe);
@@ -58,23 +60,34 @@ mapping::PoseGraph<3> odometry_graph(const std::vector<mapping::Keyframe>& keyfr
   return graph;
 }
 
+/// By what a drive joined those before it in a map that was merged, if it did.
+std::optional<mapping::DriveJoin> earlier_join(const std::vector<mapping::Closure>& closures,
+                                               size_t first, size_t end) {
+  mapping::DriveJoin join{first, {}};
+  for (const mapping::Closure& closure : closures) {
+    if (closure.from < first && closure.to >= first && closure.to < end)
+      join.closures.push_back(closure);
+  }
+  if (join.closures.empty()) return std::nullopt;
+  return join;
+}
+
 /// Seeks where the further drives of a merged map join those before; appends what was tried to
 /// `closures`. Fails if one shares no place with them.
-Result<std::vector<mapping::DriveJoin>> join_drives(const MapFolder& folder, const MapDrive& drive,
-                                                    const std::vector<mapping::Keyframe>& keyframes,
-                                                    const places::JoinOptions& options,
-                                                    ClosureVerifier& verifier,
-                                                    const MapProgress& progress,
-                                                    std::vector<mapping::Closure>& closures) {
+Result<std::vector<mapping::DriveJoin>> join_drives(
+    const MapFolder& folder, const MapDrive& drive, const std::vector<mapping::Keyframe>& keyframes,
+    const Descriptors& descriptors, const places::JoinOptions& options, ClosureVerifier& verifier,
+    const MapProgress& progress, std::vector<mapping::Closure>& closures) {
   std::vector<mapping::DriveJoin> joins;
   const std::vector<size_t>& first = drive.first_keyframes;
-  if (first.size() < 2) return joins;
-  const auto descriptors = read_places(folder, drive);
-  if (!descriptors) return tl::unexpected(descriptors.error());
   for (size_t d = 1; d < first.size(); ++d) {
     const size_t end = d + 1 < first.size() ? first[d + 1] : keyframes.size();
+    if (auto join = earlier_join(drive.closures, first[d], end)) {
+      joins.push_back(*std::move(join));
+      continue;
+    }
     size_t accepted = 0;
-    auto search = places::search_join(keyframes, *descriptors, first, first[d], end, options,
+    auto search = places::search_join(keyframes, descriptors, first, first[d], end, options,
                                       [&](mapping::Closure& closure, double yaw) {
                                         progress(closure.to, keyframes.size(), accepted);
                                         auto verified = verifier.verify(closure, yaw);
@@ -276,8 +289,10 @@ Result<MapSummary> finish_map(const MapFolder& folder, const MapDrive& drive,
   std::vector<mapping::Closure> closures;
   ClosureVerifier verifier(folder, drive, settings.check);
   if (auto resumed = verifier.resume(); !resumed) return tl::unexpected(resumed.error());
-  const auto joins =
-      join_drives(folder, drive, keyframes, settings.join, verifier, progress, closures);
+  const auto descriptors = read_places(folder, drive);
+  if (!descriptors) return tl::unexpected(descriptors.error());
+  const auto joins = join_drives(folder, drive, keyframes, *descriptors, settings.join, verifier,
+                                 progress, closures);
   if (!joins) return tl::unexpected(joins.error());
   mapping::PoseGraph<3> graph = odometry_graph(keyframes, *joins);
   const Georeference origin =
@@ -290,8 +305,8 @@ Result<MapSummary> finish_map(const MapFolder& folder, const MapDrive& drive,
   }
   if (settings.close_loops) {
     size_t accepted = 0;
-    const auto found = mapping::search_closures(keyframes, *joins, known, settings.search,
-                                                [&](mapping::Closure& closure) {
+    const auto found = mapping::search_closures(keyframes, *joins, drive.closures, known,
+                                                settings.search, [&](mapping::Closure& closure) {
                                                   progress(closure.to, keyframes.size(), accepted);
                                                   auto verified = verifier.verify(closure);
                                                   if (verified && closure.accepted()) ++accepted;
@@ -302,6 +317,7 @@ Result<MapSummary> finish_map(const MapFolder& folder, const MapDrive& drive,
   }
   if (auto written = verifier.finish(closures); !written) return tl::unexpected(written.error());
 
+  closures.insert(closures.end(), drive.closures.begin(), drive.closures.end());
   MapJson outvoted = MapJson::array();
   auto closed = close_loops(graph, closures, summary, outvoted);
   if (!closed) return tl::unexpected(closed.error());
@@ -311,12 +327,18 @@ Result<MapSummary> finish_map(const MapFolder& folder, const MapDrive& drive,
     summary.reason = wrong;
   }
 
+  const std::vector<size_t> kept =
+      places::select_places(keyframes, poses_of(fit), *descriptors, settings.kept_clouds);
+  summary.clouds = kept.size();
+
   MapJson manifest = drive.manifest;
+  manifest[kKeptClouds] = kept;
   manifest["georeference"] = fit.georeferenced() ? georeference_json(origin) : MapJson(nullptr);
   manifest["outvoted_closures"] = outvoted;
   manifest["summary"] = to_json(summary);
   const auto written = write_files(folder, drive, keyframes, fit, std::move(manifest));
   if (!written) return tl::unexpected(written.error());
+  folder.keep_clouds(kept);  // the last step: the closures need all of them
   return summary;
 }
 

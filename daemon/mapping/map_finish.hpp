@@ -13,6 +13,7 @@ namespace infuse::daemon {
 struct MapSummary {
   size_t drives = 1;
   size_t keyframes = 0;
+  size_t clouds = 0;  ///< of keyframes, that are kept
   uint64_t sweeps = 0;
   uint64_t unregistered = 0;               ///< sweeps whose motion the lidar did not measure …
   uint64_t unmeasured = 0;                 ///< … and no other sensor either

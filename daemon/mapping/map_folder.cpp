@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstring>
 #include <memory>
+#include <set>
 #include <utility>
 
 #include "daemon/mapping/cloud_file.hpp"
@@ -22,11 +23,12 @@ namespace infuse::daemon {
 namespace {
 
 constexpr const char* kMapFormat = "infuse map";
-constexpr int kMapVersion = 2;
+constexpr int kMapVersion = 3;
 constexpr size_t kMaxMapFileBytes = size_t{256} << 20;
-constexpr std::array kMapFileNames{map_file::kDrive,      map_file::kKeyframes, map_file::kFixes,
-                                   map_file::kPlaces,     map_file::kClosures,  map_file::kGraph,
-                                   map_file::kTrajectory, map_file::kMap,       map_file::kClouds};
+constexpr std::array kMapFileNames{
+    map_file::kDrive,    map_file::kKeyframes,       map_file::kFixes, map_file::kPlaces,
+    map_file::kClosures, map_file::kEarlierClosures, map_file::kGraph, map_file::kTrajectory,
+    map_file::kMap,      map_file::kClouds};
 
 bool is_map_file(const std::string& name) {
   return std::any_of(kMapFileNames.begin(), kMapFileNames.end(),
@@ -43,7 +45,7 @@ void remove_leftovers(const std::filesystem::path& folder) {
        it.increment(error)) {
     const std::string name = it->path().filename().string();
     const std::string stem = name.substr(0, name.size() - std::min(name.size(), kSuffix));
-    const bool is_ours = stem.ends_with(".pcd") || stem.ends_with(".csv") ||
+    const bool is_ours = stem.ends_with(".zst") || stem.ends_with(".csv") ||
                          stem.ends_with(".json") || stem.ends_with(".g2o") ||
                          stem.ends_with(".tum") || stem.ends_with(".bin");
     if (is_ours && name[stem.size()] == '.') leftovers.push_back(it->path());
@@ -98,6 +100,25 @@ Result<std::vector<size_t>> read_first_keyframes(const MapJson& manifest,
     }
   }
   return first;
+}
+
+/// Leaves the clouds to the keyframes that a complete map states, in order.
+Result<void> apply_kept_clouds(const MapJson& manifest, std::vector<MapKeyframe>& keyframes,
+                               const std::string& where) {
+  if (!manifest.contains(kKeptClouds)) return {};
+  const MapJson& kept = manifest[kKeptClouds];
+  size_t k = 0;
+  for (const MapJson& number : kept) {
+    if (!number.is_number_unsigned() || number.get<size_t>() < k ||
+        number.get<size_t>() >= keyframes.size() ||
+        !keyframes[number.get<size_t>()].keyframe.has_cloud) {
+      return fail("clouds are not keyframes in order", where);
+    }
+    for (; k < number.get<size_t>(); ++k) keyframes[k].drop_cloud();
+    ++k;
+  }
+  for (; k < keyframes.size(); ++k) keyframes[k].drop_cloud();
+  return {};
 }
 
 }  // namespace
@@ -186,12 +207,16 @@ Result<bool> MapFolder::is_made_of(const MapJson& identity) const {
   return true;
 }
 
-void MapFolder::remove_clouds_from(size_t keyframe) const {
+void MapFolder::keep_clouds(const std::vector<size_t>& kept) const {
+  std::set<std::string> names;
+  for (const size_t k : kept) names.insert(std::filesystem::path(cloud_name(k)).filename());
+  std::vector<std::filesystem::path> others;
   std::error_code error;
-  while (has(cloud_name(keyframe)) &&
-         std::filesystem::remove(path_ / cloud_name(keyframe), error)) {
-    ++keyframe;
+  for (std::filesystem::directory_iterator it(path_ / map_file::kClouds, error), end;
+       !error && it != end; it.increment(error)) {
+    if (!names.contains(it->path().filename().string())) others.push_back(it->path());
   }
+  for (const auto& other : others) std::filesystem::remove(other, error);
 }
 
 void MapFolder::remove_results() const {
@@ -209,7 +234,7 @@ Result<std::string> MapFolder::read_stated(const MapJson& manifest, const std::s
 }
 
 std::string MapFolder::cloud_name(size_t keyframe) {
-  return fmt::format("{}/{:06}.pcd", map_file::kClouds, keyframe);
+  return fmt::format("{}/{:06}.pcd.zst", map_file::kClouds, keyframe);
 }
 
 std::string MapFolder::trajectory_name(size_t drive) {
@@ -217,11 +242,17 @@ std::string MapFolder::trajectory_name(size_t drive) {
                     : fmt::format("{}_{}.tum", map_file::kTrajectory, drive + 1);
 }
 
+Result<std::string> MapFolder::write_cloud(size_t keyframe, const mapping::Submap& cloud) const {
+  const auto bytes = compress_cloud(cloud);
+  if (!bytes) return bytes;
+  return write(cloud_name(keyframe), *bytes).map([&] { return text::checksum(*bytes); });
+}
+
 Result<mapping::Submap> MapFolder::read_cloud(const std::vector<MapKeyframe>& keyframes,
                                               size_t k) const {
   const std::string name = cloud_name(k);
   return read(name, keyframes[k].cloud_checksum).and_then([&](const std::string& bytes) {
-    return parse_cloud_pcd(bytes, path_of(name));
+    return parse_compressed_cloud(bytes, keyframes[k].points, path_of(name));
   });
 }
 
@@ -255,6 +286,19 @@ Result<MapDrive> read_map_drive(const MapFolder& folder) {
       return fail("a fix of a keyframe that does not exist", folder.path_of(map_file::kFixes));
     }
   }
+  if (!drive.manifest["files"].contains(map_file::kEarlierClosures)) return drive;
+  auto closures = folder.read_stated(drive.manifest, map_file::kEarlierClosures)
+                      .and_then([&](const auto& text) {
+                        return parse_closures(text, folder.path_of(map_file::kEarlierClosures));
+                      });
+  if (!closures) return tl::unexpected(closures.error());
+  for (const mapping::Closure& closure : *closures) {
+    if (closure.to >= drive.keyframes.size()) {
+      return fail("a closure of a keyframe that does not exist",
+                  folder.path_of(map_file::kEarlierClosures));
+    }
+  }
+  drive.closures = *std::move(closures);
   return drive;
 }
 
@@ -274,6 +318,11 @@ Result<MapContent> read_map(const MapFolder& folder) {
   auto drive = read_map_drive(folder);
   if (!drive) return tl::unexpected(drive.error());
   map.drive = *std::move(drive);
+  if (auto kept =
+          apply_kept_clouds(map.manifest, map.drive.keyframes, folder.path_of(map_file::kMap));
+      !kept) {
+    return tl::unexpected(kept.error());
+  }
   const std::string graph_file = folder.path_of(map_file::kGraph);
   const auto graph =
       folder.read_stated(map.manifest, map_file::kGraph).and_then([&](const auto& text) {

@@ -23,7 +23,8 @@ inline constexpr const char* kDrive = "drive.json";  ///< the replay is complete
 inline constexpr const char* kKeyframes = "keyframes.csv";
 inline constexpr const char* kFixes = "fixes.csv";
 inline constexpr const char* kPlaces = "places.bin";
-inline constexpr const char* kClosures = "closures.csv";  ///< sought so far
+inline constexpr const char* kClosures = "closures.csv";                 ///< sought so far
+inline constexpr const char* kEarlierClosures = "earlier_closures.csv";  ///< of merged maps
 inline constexpr const char* kGraph = "graph.g2o";
 inline constexpr const char* kTrajectory = "trajectory";  ///< see `trajectory_name`
 inline constexpr const char* kMap = "map.json";           ///< the map is complete
@@ -32,6 +33,8 @@ inline constexpr const char* kClouds = "clouds";          ///< folder
 
 /// Key of a manifest: the first keyframe of each drive of a merged map.
 inline constexpr const char* kFirstKeyframes = "first_keyframes";
+/// Key of a complete map's manifest: the keyframes that keep their clouds; all without it.
+inline constexpr const char* kKeptClouds = "clouds";
 
 /// A map folder on disk. Every file is written atomically.
 class MapFolder {
@@ -68,14 +71,16 @@ class MapFolder {
   /// Reads a file with the checksum that a manifest states.
   Result<std::string> read_stated(const MapJson& manifest, const std::string& name) const;
 
-  /// Removes the clouds from this keyframe on, which an interrupted run of other content left.
-  void remove_clouds_from(size_t keyframe) const;
+  /// Removes the clouds of all other keyframes.
+  void keep_clouds(const std::vector<size_t>& kept) const;
   /// Removes what was found of earlier content: closures.csv and map.json.
   void remove_results() const;
 
   static std::string cloud_name(size_t keyframe);
   /// trajectory.tum of the first drive, trajectory_2.tum of the second …
   static std::string trajectory_name(size_t drive);
+  /// Writes the cloud of a keyframe; returns its checksum.
+  Result<std::string> write_cloud(size_t keyframe, const mapping::Submap& cloud) const;
   Result<mapping::Submap> read_cloud(const std::vector<MapKeyframe>& keyframes, size_t k) const;
 
  private:
@@ -93,6 +98,7 @@ struct MapDrive {
   Eigen::Isometry3d T_vehicle_lidar = Eigen::Isometry3d::Identity();
   std::vector<MapKeyframe> keyframes;
   std::vector<size_t> first_keyframes{0};  ///< of each drive of a merged map
+  std::vector<mapping::Closure> closures;  ///< of the maps that were merged, in order of `to`
   std::vector<MapFix> fixes;
 };
 

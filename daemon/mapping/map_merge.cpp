@@ -1,8 +1,11 @@
 #include "daemon/mapping/map_merge.hpp"
 
 #include <algorithm>
+#include <set>
+#include <utility>
 
 #include "daemon/mapping/place_map.hpp"
+#include "drivers/text/checksum.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -12,16 +15,45 @@ struct Part {
   MapFolder folder;
   MapContent content;
   std::vector<places::PlaceDescriptor> places;
+  std::vector<mapping::Closure> closures;  ///< that its map is made of
 };
 
+/// The closures that a complete map is made of.
+Result<std::vector<mapping::Closure>> read_closures(const MapFolder& folder,
+                                                    const MapContent& content) {
+  auto sought =
+      folder.read_stated(content.manifest, map_file::kClosures).and_then([&](const auto& text) {
+        return parse_closures(text, folder.path_of(map_file::kClosures));
+      });
+  if (!sought) return sought;
+  std::vector<mapping::Closure> closures = content.drive.closures;
+  closures.insert(closures.end(), sought->begin(), sought->end());
+  std::set<std::pair<size_t, size_t>> outvoted;
+  for (const MapJson& pair : content.manifest.value("outvoted_closures", MapJson::array())) {
+    const bool sound = pair.is_array() && pair.size() == 2 && pair[0].is_number_unsigned() &&
+                       pair[1].is_number_unsigned();
+    if (!sound) {
+      return fail("outvoted_closures are not pairs of keyframes", folder.path_of(map_file::kMap));
+    }
+    outvoted.emplace(pair[0].get<size_t>(), pair[1].get<size_t>());
+  }
+  std::erase_if(closures, [&](const mapping::Closure& closure) {
+    return !closure.accepted() || outvoted.contains({closure.from, closure.to});
+  });
+  return closures;
+}
+
 Result<Part> open_part(const std::filesystem::path& path) {
-  Part part{MapFolder(path), {}, {}};
+  Part part{MapFolder(path), {}, {}, {}};
   auto content = read_map(part.folder);
   if (!content) return tl::unexpected(content.error());
   part.content = *std::move(content);
   auto read = read_places(part.folder, part.content.drive);
   if (!read) return tl::unexpected(read.error());
   part.places = *std::move(read);
+  auto closures = read_closures(part.folder, part.content);
+  if (!closures) return tl::unexpected(closures.error());
+  part.closures = *std::move(closures);
   return part;
 }
 
@@ -79,21 +111,31 @@ MapDrive concatenate(const std::vector<Part>& parts) {
       fix.keyframe += offset;
       all.fixes.push_back(fix);
     }
+    for (mapping::Closure closure : part.closures) {
+      closure.from += offset;
+      closure.to += offset;
+      all.closures.push_back(std::move(closure));
+    }
   }
+  std::stable_sort(all.closures.begin(), all.closures.end(),
+                   [](const auto& a, const auto& b) { return a.to < b.to; });
   return all;
 }
 
 Result<void> copy_clouds(const MapFolder& target, const std::vector<Part>& parts) {
   size_t k = 0;
+  std::vector<size_t> copied;
   for (const Part& part : parts) {
     for (size_t i = 0; i < part.content.drive.keyframes.size(); ++i, ++k) {
+      if (!part.content.drive.keyframes[i].keyframe.has_cloud) continue;
       const auto bytes = part.folder.read(MapFolder::cloud_name(i),
                                           part.content.drive.keyframes[i].cloud_checksum);
       if (!bytes) return tl::unexpected(bytes.error());
       if (auto written = target.write(MapFolder::cloud_name(k), *bytes); !written) return written;
+      copied.push_back(k);
     }
   }
-  target.remove_clouds_from(k);
+  target.keep_clouds(copied);  // an interrupted run of other content may have left some
   return {};
 }
 
@@ -127,6 +169,9 @@ Result<void> merge_maps(const MapFolder& target, const std::vector<std::filesyst
   for (const char* key : {"sweeps", "unmeasured", "unregistered"}) {
     manifest[key] = sum_of(*parts, key);
   }
+  const std::string closures = format_closures(all.closures);
+  if (auto written = target.write(map_file::kEarlierClosures, closures); !written) return written;
+  manifest["files"][map_file::kEarlierClosures] = text::checksum(closures);
   std::vector<places::PlaceDescriptor> places;
   for (const Part& part : *parts) {
     places.insert(places.end(), part.places.begin(), part.places.end());

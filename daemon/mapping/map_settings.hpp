@@ -8,6 +8,7 @@
 #include "fusion/mapping/closure_search.hpp"
 #include "fusion/mapping/earth_fit.hpp"
 #include "fusion/places/join_search.hpp"
+#include "fusion/places/place_selection.hpp"
 
 namespace infuse::daemon {
 
@@ -19,6 +20,7 @@ struct MapSettings {
   mapping::ClosureCheckOptions check;
   places::JoinOptions join;
   mapping::EarthFitOptions earth;
+  places::PlaceSelectionOptions kept_clouds;
   double max_unmeasured = 0.03;   ///< share of the sweeps whose motion no sensor measured, …
   double max_unregistered = 0.1;  ///< … or the lidar did not; more make a map that is not usable
   bool close_loops = true;

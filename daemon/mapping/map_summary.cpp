@@ -10,6 +10,7 @@ MapJson to_json(const MapSummary& summary) {
   for (const auto& [reason, count] : summary.rejected) rejected[reason] = count;
   return {{"drives", summary.drives},
           {"keyframes", summary.keyframes},
+          {"clouds", summary.clouds},
           {"sweeps", summary.sweeps},
           {"unregistered_sweeps", summary.unregistered},
           {"unmeasured_sweeps", summary.unmeasured},
@@ -30,8 +31,8 @@ MapJson to_json(const MapSummary& summary) {
 }
 
 std::string to_text(const MapSummary& summary) {
-  std::string text = fmt::format("{} keyframes from {} sweeps, {:.1f} m", summary.keyframes,
-                                 summary.sweeps, summary.way);
+  std::string text = fmt::format("{} keyframes from {} sweeps, {:.1f} m, {} clouds kept",
+                                 summary.keyframes, summary.sweeps, summary.way, summary.clouds);
   if (summary.drives > 1) text += fmt::format(", {} drives", summary.drives);
   if (summary.unregistered > 0) {
     text += fmt::format(", {} sweep(s) not registered, the motion of {} of them unknown",

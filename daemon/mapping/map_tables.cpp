@@ -150,6 +150,7 @@ Result<std::vector<MapKeyframe>> parse_keyframes(std::string_view text, const st
                        keyframe.distance_driven = row.number<double>();
                        parsed.points = row.number<size_t>();
                        parsed.cloud_checksum = row.word();
+                       keyframe.has_cloud = !parsed.cloud_checksum.empty();
                        keyframe.T_odom_vehicle = row.pose();
                        keyframe.covariance = row.covariance();
                        if (number != keyframes.size()) return "keyframes are not in order";

@@ -13,8 +13,15 @@ namespace infuse::daemon {
 /// A keyframe of a map folder.
 struct MapKeyframe {
   mapping::Keyframe keyframe;
-  size_t points = 0;           ///< of its cloud
-  std::string cloud_checksum;  ///< of the cloud's file
+  size_t points = 0;           ///< of its cloud; 0 where it has none
+  std::string cloud_checksum;  ///< of the cloud's file; empty where it has none
+
+  /// What is left where only the pose is kept.
+  void drop_cloud() {
+    keyframe.has_cloud = false;
+    points = 0;
+    cloud_checksum.clear();
+  }
 };
 
 /// A GNSS fix, seen from the keyframe that is nearest in time.

@@ -64,17 +64,21 @@ Result<places::PlaceMap> open_place_map(const MapFolder& folder) {
   if (!content) return tl::unexpected(content.error());
   auto descriptors = read_places(folder, content->drive);
   if (!descriptors) return tl::unexpected(descriptors.error());
+  places::PlaceMap map;
+  std::vector<size_t> keyframe_of;  // by place
   for (size_t k = 0; k < content->drive.keyframes.size(); ++k) {
+    if (!content->drive.keyframes[k].keyframe.has_cloud) continue;
     if (const std::string name = MapFolder::cloud_name(k); !folder.has(name)) {
       return fail("is missing", folder.path_of(name), "make the map anew, or copy all of it");
     }
+    keyframe_of.push_back(k);
+    map.T_map_vehicle.push_back(content->T_map_vehicle[k]);
+    map.descriptors.push_back((*descriptors)[k]);
   }
-  places::PlaceMap map;
-  map.T_map_vehicle = std::move(content->T_map_vehicle);
   map.T_vehicle_lidar = content->drive.T_vehicle_lidar;
-  map.descriptors = *std::move(descriptors);
-  map.read_cloud = [folder, keyframes = std::move(content->drive.keyframes)](size_t k) {
-    return folder.read_cloud(keyframes, k);
+  map.read_cloud = [folder, keyframe_of = std::move(keyframe_of),
+                    keyframes = std::move(content->drive.keyframes)](size_t place) {
+    return folder.read_cloud(keyframes, keyframe_of[place]);
   };
   return map;
 }

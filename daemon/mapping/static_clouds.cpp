@@ -9,14 +9,15 @@ constexpr double kMaxViewDistance = 25;  // m, between a keyframe and those that
 constexpr size_t kMaxViews = 16;         // the nearest of them
 constexpr size_t kMaxKeptViews = 64;
 
-/// The nearest other keyframes.
-std::vector<size_t> keyframes_around(const std::vector<Eigen::Isometry3d>& T_map_vehicle,
-                                     size_t k) {
+/// The nearest other keyframes that have a cloud.
+std::vector<size_t> keyframes_around(const MapContent& map, size_t k) {
+  const std::vector<Eigen::Isometry3d>& T_map_vehicle = map.T_map_vehicle;
   std::vector<std::pair<double, size_t>> near;
   for (size_t other = 0; other < T_map_vehicle.size(); ++other) {
     const double distance =
         (T_map_vehicle[other].translation() - T_map_vehicle[k].translation()).norm();
-    if (other != k && distance < kMaxViewDistance) near.emplace_back(distance, other);
+    if (other != k && distance < kMaxViewDistance && map.drive.keyframes[other].keyframe.has_cloud)
+      near.emplace_back(distance, other);
   }
   const size_t kept = std::min(kMaxViews, near.size());
   std::partial_sort(near.begin(), near.begin() + static_cast<ptrdiff_t>(kept), near.end());
@@ -51,7 +52,7 @@ Result<mapping::Submap> StaticClouds::read(size_t k) {
   const auto own = view_of(k);
   if (!own) return tl::unexpected(own.error());
   std::vector<mapping::PlacedView> views;
-  for (const size_t other : keyframes_around(map_.T_map_vehicle, k)) {
+  for (const size_t other : keyframes_around(map_, k)) {
     const auto view = view_of(other);
     if (!view) return tl::unexpected(view.error());
     const Eigen::Isometry3d T_vehicle_other =

@@ -5,9 +5,12 @@
 #include <limits>
 
 #include "fusion/mapping/drive_join.hpp"
+#include "fusion/mapping/position_grid.hpp"
 
 namespace infuse::mapping {
 namespace {
+
+constexpr double kSearchCell = 16;  // m, of the grids; bounds time
 
 /// Pose of one keyframe as seen from another, and the standard deviation of its position, m.
 struct Relative {
@@ -55,6 +58,20 @@ class Estimate {
         P_[closure.from] + geometry::transform_covariance(poses_[closure.from], closure.covariance);
   }
 
+  /// Lets a keyframe that was advanced to be found by `for_each_near`.
+  void settle(size_t k) {
+    tracked_.add(k, poses_[k].translation());
+    if (known_) known_grid_.add(k, known_->T_map_vehicle[k].translation());
+  }
+
+  /// Calls use(i) at least once for every settled keyframe that is within `radius` (m) of keyframe
+  /// k, by the poses that `relative` uses.
+  template <class Use>
+  void for_each_near(size_t k, double radius, Use use) const {
+    tracked_.for_each_near(poses_[k].translation(), radius, use);
+    if (known_) known_grid_.for_each_near(known_->T_map_vehicle[k].translation(), radius, use);
+  }
+
   /// By the odometry and the closures so far, or where they are less certain by the known poses.
   Relative relative(size_t from, size_t to) const {
     const double sigma = tracked_sigma(from, to);
@@ -88,6 +105,7 @@ class Estimate {
   const std::optional<KnownPoses>& known_;
   size_t next_join_ = 0;
   std::vector<Eigen::Isometry3d> poses_;
+  PositionGrid tracked_{kSearchCell}, known_grid_{kSearchCell};
   std::vector<geometry::Matrix6> P_;  // left perturbation in the odometry frame
 };
 
@@ -102,18 +120,18 @@ std::optional<Candidate> nearest_before(const std::vector<Keyframe>& keyframes,
                                         const ClosureSearchOptions& options) {
   std::optional<Candidate> best;
   const size_t first = estimate.first_of_drive();
-  for (size_t i = 0; i < k; ++i) {
-    if (i >= first &&
-        keyframes[k].distance_driven - keyframes[i].distance_driven < options.min_distance_driven)
-      break;
+  estimate.for_each_near(k, options.max_distance + options.max_search, [&](size_t i) {
+    const double driven = keyframes[k].distance_driven - keyframes[i].distance_driven;
+    if (!keyframes[i].has_cloud || (i >= first && driven < options.min_distance_driven)) return;
     const Relative relative = estimate.relative(i, k);
     const double distance = relative.T_from_to.translation().norm();
-    if (best && distance >= best->distance) continue;
+    if (best && (distance > best->distance || (distance == best->distance && i >= best->from)))
+      return;
     const double margin = std::min(options.sigmas * relative.sigma, options.max_search);
     if (distance <= options.max_distance + margin) {
       best = Candidate{i, relative.T_from_to, distance, margin};
     }
-  }
+  });
   return best;
 }
 
@@ -137,6 +155,7 @@ std::optional<std::string> ClosureSearchOptions::invalid() const {
 
 Result<std::vector<Closure>> search_closures(const std::vector<Keyframe>& keyframes,
                                              const std::vector<DriveJoin>& joins,
+                                             const std::vector<Closure>& earlier,
                                              const std::optional<KnownPoses>& known,
                                              const ClosureSearchOptions& options,
                                              const VerifyClosure& verify) {
@@ -145,9 +164,15 @@ Result<std::vector<Closure>> search_closures(const std::vector<Keyframe>& keyfra
   Estimate estimate(keyframes, joins, known);
   // Distance driven at which closures are sought again.
   double next = -std::numeric_limits<double>::infinity();
+  size_t next_earlier = 0;
   for (size_t k = 0; k < keyframes.size(); ++k) {
+    if (k > 0) estimate.settle(k - 1);
     estimate.advance(k);
-    if (keyframes[k].distance_driven < next) continue;
+    for (; next_earlier < earlier.size() && earlier[next_earlier].to == k; ++next_earlier) {
+      estimate.correct(earlier[next_earlier]);
+      next = keyframes[k].distance_driven + options.spacing;
+    }
+    if (keyframes[k].distance_driven < next || !keyframes[k].has_cloud) continue;
     const auto candidate = nearest_before(keyframes, estimate, k, options);
     if (!candidate) continue;
     Closure closure;

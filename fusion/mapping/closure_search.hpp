@@ -58,10 +58,12 @@ using VerifyClosure = std::function<Result<void>(Closure&)>;
 /// Seeks closures along the drives: of every keyframe the nearest one that was passed before, where
 /// the uncertainty of the odometry since (or of the known poses) lets them be within
 /// `max_distance`. A closure that was found, or by which a drive joins the others, corrects where
-/// the next ones are sought. One that was verified and contradicts that uncertainty is rejected.
+/// the next ones are sought, and so do the `earlier` ones, which are in order of `to` and are not
+/// returned. One that was verified and contradicts that uncertainty is rejected.
 /// `options.invalid()` must be empty.
 Result<std::vector<Closure>> search_closures(const std::vector<Keyframe>& keyframes,
                                              const std::vector<DriveJoin>& joins,
+                                             const std::vector<Closure>& earlier,
                                              const std::optional<KnownPoses>& known,
                                              const ClosureSearchOptions& options,
                                              const VerifyClosure& verify);

@@ -32,6 +32,7 @@ struct Keyframe {
   /// Covariance of the motion since the keyframe before: left perturbation in the vehicle frame
   /// there, (rx, ry, rz, tx, ty, tz), rad and m; zero for the first.
   geometry::Matrix6 covariance = geometry::Matrix6::Zero();
+  bool has_cloud = true;  ///< false where others see the same: only the pose is kept
 };
 
 /// Motion of the vehicle since the sweep before, as odometry states it.

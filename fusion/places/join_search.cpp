@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace infuse::places {
 
@@ -20,26 +21,33 @@ Result<JoinSearch> search_join(const std::vector<mapping::Keyframe>& keyframes,
                                const std::vector<PlaceDescriptor>& descriptors,
                                const std::vector<size_t>& first_keyframes, size_t first, size_t end,
                                const JoinOptions& options, const VerifyPlaces& verify) {
-  const PlaceIndex index(
-      {descriptors.begin(), descriptors.begin() + static_cast<std::ptrdiff_t>(first)});
+  std::vector<size_t> keyframe_of;  // by place of the index
+  std::vector<PlaceDescriptor> earlier;
+  for (size_t k = 0; k < first; ++k) {
+    if (!keyframes[k].has_cloud) continue;
+    keyframe_of.push_back(k);
+    earlier.push_back(descriptors[k]);
+  }
+  const PlaceIndex index(std::move(earlier));
   JoinSearch search;
   // Distance driven at the next place that is compared.
   double next = -std::numeric_limits<double>::infinity();
   for (size_t k = first; k < end && search.agreeing.size() < options.enough; ++k) {
-    if (keyframes[k].distance_driven < next) continue;
+    if (keyframes[k].distance_driven < next || !keyframes[k].has_cloud) continue;
     next = keyframes[k].distance_driven + options.spacing;
     std::vector<size_t> tried;
     for (const PlaceCandidate& candidate :
          index.find(descriptors[k], kSearchedPerPlace * options.candidates)) {
       if (tried.size() == options.candidates) break;
+      const size_t place = keyframe_of[candidate.place];
       const bool is_near = std::any_of(tried.begin(), tried.end(), [&](size_t other) {
-        return std::abs(keyframes[other].distance_driven -
-                        keyframes[candidate.place].distance_driven) < options.distinct;
+        return std::abs(keyframes[other].distance_driven - keyframes[place].distance_driven) <
+               options.distinct;
       });
       if (is_near) continue;
-      tried.push_back(candidate.place);
+      tried.push_back(place);
       mapping::Closure closure;
-      closure.from = candidate.place;
+      closure.from = place;
       closure.to = k;
       if (auto verified = verify(closure, candidate.similarity.yaw); !verified) {
         return tl::unexpected(verified.error());

@@ -9,9 +9,7 @@ namespace infuse::places {
 namespace {
 
 constexpr size_t kKeptPlaces = 6;  // prepared clouds; bounds memory
-constexpr double kMaxLevel =
-    4;  // m of height between a vehicle and a keyframe of its level (decision 17)
-constexpr double kSamePose = 1;  // m, between two results of one place (decision 17)
+constexpr double kSamePose = 1;    // m, between two results of one place (decision 17)
 // Shares of a search, as in `ClosureCheckOptions`: what has less is improbable beyond counting, and
 // not registered from the other side (decision 17).
 constexpr double kMinInliers = 0.3, kMinAgreement = 0.6, kMinOverlap = 0.1;

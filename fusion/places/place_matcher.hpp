@@ -15,6 +15,9 @@
 
 namespace infuse::places {
 
+/// Height between a vehicle and a keyframe of its level at most, m (decision 17).
+inline constexpr double kMaxLevel = 4;
+
 /// Map of keyframes on which a vehicle is localised.
 struct PlaceMap {
   std::vector<Eigen::Isometry3d> T_map_vehicle;                       ///< by keyframe

@@ -4,14 +4,13 @@
 
 #include <algorithm>
 #include <iterator>
+#include <numeric>
 
 #include "daemon/command_line/progress_line.hpp"
-#include "daemon/mapping/cloud_file.hpp"
 #include "daemon/mapping/place_map.hpp"
 #include "daemon/playback/play_lidar.hpp"
 #include "daemon/protocol/json_encoder.hpp"
 #include "daemon/tools/map/lidar_replay.hpp"
-#include "drivers/text/checksum.hpp"
 #include "fusion/features/air_returns.hpp"
 #include "fusion/mapping/keyframe_submaps.hpp"
 #include "fusion/places/place_descriptor.hpp"
@@ -83,7 +82,9 @@ class DriveMapper {
       return fail("no motion was found in its sweeps", "",
                   sweeps_ == 0 ? "the lidar has no sweeps" : "see infuse odometry");
     }
-    folder_.remove_clouds_from(keyframes_.size());
+    std::vector<size_t> all(keyframes_.size());
+    std::iota(all.begin(), all.end(), size_t{0});
+    folder_.keep_clouds(all);  // an interrupted run of other content may have left some
     manifest["sweeps"] = sweeps_;
     manifest["unmeasured"] = submaps_.picker().unmeasured();
     manifest["unregistered"] = submaps_.picker().unregistered();
@@ -105,10 +106,12 @@ class DriveMapper {
   void store(const mapping::KeyframeSubmap& ended) {
     if (failed_) return;
     places_.push_back(places::describe_place(ended.submap.points(), T_vehicle_lidar_));
-    const std::string bytes = format_cloud_pcd(ended.submap);
-    keyframes_.push_back({ended.keyframe, ended.submap.size(), text::checksum(bytes)});
-    const auto written = folder_.write(MapFolder::cloud_name(keyframes_.size() - 1), bytes);
-    if (!written) failed_ = written.error();
+    auto written = folder_.write_cloud(keyframes_.size(), ended.submap);
+    if (!written) {
+      failed_ = written.error();
+      return;
+    }
+    keyframes_.push_back({ended.keyframe, ended.submap.size(), *std::move(written)});
   }
 
   /// Where the vehicle was at a time, if sweeps on both sides tell.

@@ -29,7 +29,7 @@ bool is_geotiff(const std::string& extension) {
   return extension == ".tif" || extension == ".tiff";
 }
 
-/// Calls use(cloud, T_map_lidar) for every keyframe.
+/// Calls use(cloud, T_map_lidar) for every keyframe that has a cloud.
 template <class Use>
 Result<void> for_each_cloud(const MapFolder& folder, const MapContent& map, bool without_moving,
                             Use use) {
@@ -37,6 +37,7 @@ Result<void> for_each_cloud(const MapFolder& folder, const MapContent& map, bool
   StaticClouds static_clouds(folder, map);
   const size_t all = map.T_map_vehicle.size();
   for (size_t k = 0; k < all; ++k) {
+    if (!map.drive.keyframes[k].keyframe.has_cloud) continue;
     const auto cloud =
         without_moving ? static_clouds.read(k) : folder.read_cloud(map.drive.keyframes, k);
     if (!cloud) return tl::unexpected(cloud.error());

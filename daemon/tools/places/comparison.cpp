@@ -27,7 +27,8 @@ constexpr int kDescribedWidth = 64;               // pixels
 constexpr size_t kCellWords = 8;                  // P 6.2.3 leaves the number open
 constexpr int kMaxSiftWidth = 640;                // pixels
 constexpr int kKeypoints = 300;                   // of an image
-constexpr size_t kSiftWords = 300;                // codewords, as in P 5.3
+constexpr size_t kSiftWords = 2000;               // of 300, as in P 5.3, every place has most
+constexpr int kSiftIterations = 8;                // of k-means; bounds time
 constexpr Eigen::Index kSampledKeypoints = 12'000;
 constexpr size_t kAligned = 10;  // places of a query that are aligned by information
 
@@ -114,7 +115,7 @@ registration::Codebook learn_sift_words(const std::vector<Eigen::MatrixXf>& plac
       if (index % stride == 0) samples.col(index / stride) = block.col(k);
     }
   }
-  return registration::learn_codebook(samples, kSiftWords, 1);
+  return registration::learn_codebook(samples, kSiftWords, 1, kSiftIterations);
 }
 
 /// Bags of words, learned of the places themselves.

@@ -6,11 +6,23 @@
 #include "fusion/registration/visual/grey_matrix.hpp"
 
 namespace infuse::places {
+namespace {
+
+/// Diameter, pixels. What is finer is found in the doubled image alone (Lowe 2004, section 3.3):
+/// the camera's noise, which no second visit shows.
+constexpr float kMinKeypointSize = 4;
+
+}  // namespace
 
 Eigen::MatrixXf sift_descriptors(const CameraFrame& frame, int most) {
   std::vector<cv::KeyPoint> keypoints;
   cv::Mat found;
-  cv::SIFT::create(most)->detectAndCompute(registration::grey_matrix(frame), {}, keypoints, found);
+  const cv::Mat image = registration::grey_matrix(frame);
+  const auto sift = cv::SIFT::create();
+  sift->detect(image, keypoints);
+  std::erase_if(keypoints, [](const cv::KeyPoint& k) { return k.size < kMinKeypointSize; });
+  cv::KeyPointsFilter::retainBest(keypoints, most);
+  sift->compute(image, keypoints, found);
   Eigen::MatrixXf out(128, found.rows);
   for (int row = 0; row < found.rows; ++row) {
     out.col(row) = Eigen::Map<const Eigen::VectorXf>(found.ptr<float>(row), 128).normalized();
@@ -36,7 +48,9 @@ BagOfWords::BagOfWords(const std::vector<std::vector<uint32_t>>& places, size_t 
 
 Eigen::VectorXd BagOfWords::weigh(const std::vector<uint32_t>& words) const {
   Eigen::VectorXd out = Eigen::VectorXd::Zero(rarity_.size());
-  for (const uint32_t word : words) out[word] += rarity_[word];
+  for (const uint32_t word : words) out[word] += 1;
+  // A word that repeats, as of a row of windows, counts by the root of its number.
+  out = out.cwiseSqrt().cwiseProduct(rarity_);
   const double norm = out.norm();
   if (norm > 0) out /= norm;
   return out;

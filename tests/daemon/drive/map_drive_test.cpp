@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "daemon/mapping/map_finish.hpp"
+#include "daemon/setup/drive_setup.hpp"
 #include "daemon/tools/map/map_drive.hpp"
 #include "drivers/recording/trajectory_file.hpp"
 #include "fusion/motion/trajectory_error.hpp"
@@ -38,7 +39,7 @@ position = [1.0, 0.0, 1.95]
 rays_per_pulse = 1
 )";
 
-/// The drive and its map, made once.
+/// The drive and its map, made once; "replayed" is the map before its closures are sought.
 struct Made {
   TemporaryFolder folder;
   std::string error;
@@ -52,6 +53,12 @@ struct Made {
       return;
     }
     for (const auto& pose : *poses) truth.push_back({pose.stamp, pose.T_frame_body});
+    auto setup = open_drive(folder / "drive", {}, {});
+    if (!setup || !replay_to_map(MapFolder(map("replayed")), *setup, 0, {})) {
+      error = "the drive cannot be replayed";
+      return;
+    }
+    std::filesystem::copy(map("replayed"), map(), std::filesystem::copy_options::recursive);
     const ProgramResult run = infuse("map " + (folder / "drive").string() + " -o " + map());
     if (run.code != 0) error = run.output;
   }
@@ -81,8 +88,9 @@ class MapDrive : public testing::Test {
     ASSERT_EQ(made_->error, "");
   }
 
-  static std::string copy(const std::string& name) {
-    std::filesystem::copy(made_->map(), made_->map(name), std::filesystem::copy_options::recursive);
+  static std::string copy(const std::string& name, const std::string& of = "map") {
+    std::filesystem::copy(made_->map(of), made_->map(name),
+                          std::filesystem::copy_options::recursive);
     return made_->map(name);
   }
 
@@ -137,9 +145,8 @@ TEST_F(MapDrive, ClosesTheLoopWhereTheTruthDoes) {
 
 // Odometry whose heading drifts by 1.2 degrees over the block: closures bring it back.
 TEST_F(MapDrive, CorrectsOdometryThatDrifts) {
-  const MapFolder folder(copy("drifting"));
-  std::filesystem::remove(folder.path() / map_file::kClosures);
-  auto drive = read_map_drive(folder);
+  const MapFolder replayed(made_->map("replayed"));
+  auto drive = read_map_drive(replayed);
   ASSERT_TRUE(drive);
   const std::vector<MapKeyframe> true_to_file = drive->keyframes;
   for (size_t k = 1; k < true_to_file.size(); ++k) {
@@ -150,6 +157,7 @@ TEST_F(MapDrive, CorrectsOdometryThatDrifts) {
         Eigen::AngleAxisd(1.2e-4, Eigen::Vector3d::UnitZ());
   }
   const auto error = [&](bool close_loops) {
+    const MapFolder folder(copy(close_loops ? "closed" : "drifting", "replayed"));
     const auto made = finish_map(folder, *drive, {.close_loops = close_loops, .use_gnss = false},
                                  [](size_t, size_t, size_t) {});
     EXPECT_TRUE(made) << made.error().message();
@@ -171,15 +179,17 @@ TEST_F(MapDrive, GivesTheSameBytesAfterKills) {
   const auto expected = bytes_of(made_->map());
   EXPECT_TRUE(bytes_of(map) == expected);
   // As after a kill between two closures, and before each of the last files.
+  const std::string between = copy("between", "replayed");
   const std::string closures = expected.at("closures.csv");
   const size_t second_row = closures.find('\n', closures.find('\n') + 1) + 1;
   ASSERT_LT(second_row, closures.size());
-  write_file(map + "/closures.csv", closures.substr(0, second_row));
-  write_file(map + "/clouds/000007.pcd.q1w2e3", "half a file");
+  write_file(between + "/closures.csv", closures.substr(0, second_row));
+  write_file(between + "/clouds/000007.pcd.zst.q1w2e3", "half a file");
+  const std::string go_on = "map " + (made_->folder / "drive").string() + " -o " + between;
   for (const char* last : {"map.json", "trajectory.tum", "graph.g2o"}) {
-    std::filesystem::remove(map + "/" + last);
-    EXPECT_EQ(Made::infuse(command).code, 0);
-    EXPECT_TRUE(bytes_of(map) == expected) << last;
+    std::filesystem::remove(between + "/" + last);
+    EXPECT_EQ(Made::infuse(go_on).code, 0);
+    EXPECT_TRUE(bytes_of(between) == expected) << last;
   }
 }
 
@@ -191,8 +201,11 @@ TEST_F(MapDrive, RefusesDamagedMapsAndNamesTheFile) {
     write_file(file, bytes);
   };
   int index = 0;
-  for (const char* name :
-       {"clouds/000003.pcd", "keyframes.csv", "fixes.csv", "drive.json", "graph.g2o"}) {
+  const auto drive = read_map_drive(MapFolder(made_->map()));
+  ASSERT_TRUE(drive);
+  const std::string cloud = MapFolder::cloud_name(drive->keyframes.size() - 1);
+  for (const std::string& name : {cloud, std::string("keyframes.csv"), std::string("fixes.csv"),
+                                  std::string("drive.json"), std::string("graph.g2o")}) {
     const std::string map = copy("damaged" + std::to_string(index++));
     flip(map + "/" + name);
     std::string command = "map export " + map + " -o ";

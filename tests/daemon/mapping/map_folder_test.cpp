@@ -34,13 +34,34 @@ TEST(MapFolder, ACloudThatIsOverwrittenIsAnErrorWithItsName) {
   write_small_map(folder / "map", 3, 2);
   const auto map = open_place_map(*MapFolder(folder / "map").hold());
   ASSERT_TRUE(map);
-  fs::resize_file(folder / "map/clouds/000001.pcd", 40);
+  fs::resize_file(folder / "map/clouds/000001.pcd.zst", 40);
   EXPECT_TRUE(map->read_cloud(0));
   const auto cut = map->read_cloud(1);
   ASSERT_FALSE(cut);
-  EXPECT_EQ(cut.error().where, (folder / "map/clouds/000001.pcd").string());
+  EXPECT_EQ(cut.error().where, (folder / "map/clouds/000001.pcd.zst").string());
   fs::remove_all(folder / "map");
   EXPECT_FALSE(map->read_cloud(0));
+}
+
+TEST(MapFolder, PlacesAreTheKeyframesThatKeepTheirClouds) {
+  const ScratchFolder folder;
+  write_small_map(folder / "map", 5, 2, {1, 4});
+  EXPECT_FALSE(fs::exists(folder / "map/clouds/000003.pcd.zst"));
+  const auto map = open_place_map(MapFolder(folder / "map"));
+  ASSERT_TRUE(map) << map.error().message();
+  ASSERT_EQ(map->T_map_vehicle.size(), 2U);
+  EXPECT_EQ(map->T_map_vehicle[1].translation().x(), 8);
+  EXPECT_EQ(map->descriptors.size(), 2U);
+  EXPECT_TRUE(check_clouds(*map));
+  const auto content = read_map(MapFolder(folder / "map"));
+  ASSERT_TRUE(content);
+  EXPECT_EQ(content->T_map_vehicle.size(), 5U);
+  EXPECT_FALSE(content->drive.keyframes[3].keyframe.has_cloud);
+  EXPECT_EQ(content->drive.keyframes[4].points, 2U);
+  for (const std::vector<size_t>& wrong : {std::vector<size_t>{4, 1}, {2, 5}, {3, 3}}) {
+    write_small_map(folder / "wrong", 5, 2, wrong);
+    EXPECT_FALSE(open_place_map(MapFolder(folder / "wrong")));
+  }
 }
 
 }  // namespace

@@ -120,6 +120,12 @@ TEST(CloudFile, RefusesWhatIsCutOrNotFinite) {
   mapping::Submap endless = three_points();
   endless.y[1] = std::numeric_limits<float>::infinity();
   EXPECT_FALSE(parse_cloud_pcd(format_cloud_pcd(endless), "c"));
+
+  const std::string compressed = compress_cloud(three_points()).value();
+  EXPECT_EQ(parse_compressed_cloud(compressed, 3, "c")->z[1], 2.25F);
+  EXPECT_FALSE(parse_compressed_cloud(compressed, 2, "c"));
+  EXPECT_FALSE(parse_compressed_cloud(compressed, size_t{1} << 60, "c"));
+  EXPECT_FALSE(parse_compressed_cloud(compressed.substr(0, compressed.size() - 1), 3, "c"));
 }
 
 // Values of the published test vectors of FNV-1a.

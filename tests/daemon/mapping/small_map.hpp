@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "daemon/mapping/cloud_file.hpp"
 #include "daemon/mapping/g2o_file.hpp"
 #include "daemon/mapping/place_map.hpp"
 #include "drivers/text/checksum.hpp"
@@ -16,8 +15,10 @@
 
 namespace infuse::daemon {
 
-/// Writes a complete map of keyframes along x, `spacing` m apart: a few points each.
-inline void write_small_map(const std::filesystem::path& path, size_t count, double spacing) {
+/// Writes a complete map of keyframes along x, `spacing` m apart: a few points each. All keep their
+/// clouds, or those of `kept`.
+inline void write_small_map(const std::filesystem::path& path, size_t count, double spacing,
+                            const std::vector<size_t>& kept = {}) {
   const MapFolder folder(path);
   ASSERT_TRUE(folder.create());
   std::vector<MapKeyframe> keyframes;
@@ -29,11 +30,11 @@ inline void write_small_map(const std::filesystem::path& path, size_t count, dou
     keyframe.keyframe.stamp = infuse::at(static_cast<double>(k) + 1);
     keyframe.keyframe.distance_driven = spacing * static_cast<double>(k);
     keyframe.keyframe.T_odom_vehicle.translation().x() = keyframe.keyframe.distance_driven;
-    const std::string cloud =
-        format_cloud_pcd(cloud_of({{1, 2, 0, 0.5F}, {static_cast<float>(spacing), 3, 1, 0.25F}}));
+    const auto checksum = folder.write_cloud(
+        k, cloud_of({{1, 2, 0, 0.5F}, {static_cast<float>(spacing), 3, 1, 0.25F}}));
+    ASSERT_TRUE(checksum);
     keyframe.points = 2;
-    keyframe.cloud_checksum = text::checksum(cloud);
-    ASSERT_TRUE(folder.write(MapFolder::cloud_name(k), cloud));
+    keyframe.cloud_checksum = *checksum;
     keyframes.push_back(keyframe);
     graph.graph.poses.push_back(keyframe.keyframe.T_odom_vehicle);
     graph.ids.push_back(static_cast<int64_t>(k) + 1);
@@ -43,6 +44,10 @@ inline void write_small_map(const std::filesystem::path& path, size_t count, dou
   ASSERT_TRUE(write_drive(folder, drive, keyframes, {},
                           std::vector<places::PlaceDescriptor>(keyframes.size())));
   MapJson map = make_manifest();
+  if (!kept.empty()) {
+    map[kKeptClouds] = kept;
+    folder.keep_clouds(kept);
+  }
   const std::string graph_text = format_g2o(graph);
   ASSERT_TRUE(folder.write(map_file::kGraph, graph_text));
   map["files"][map_file::kGraph] = text::checksum(graph_text);

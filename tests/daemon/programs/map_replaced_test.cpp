@@ -49,11 +49,11 @@ TEST(MapReplaced, WhatIsWholeIsUsedAndWhatIsDamagedIsNot) {
   // Another street map, byte by byte; a map with a damaged cloud, by renaming.
   overwrite(streets, "second.map", "in_use.map");
   write_small_map(keyframes / "damaged", 4, 3);
-  fs::resize_file(keyframes / "damaged/clouds/000002.pcd", 30);
+  fs::resize_file(keyframes / "damaged/clouds/000002.pcd.zst", 30);
   fs::rename(keyframes / "map", keyframes / "before");
   fs::rename(keyframes / "damaged", keyframes / "map");
   EXPECT_THAT(on_keyframes.wait_for("WARN  map "),
-              AllOf(HasSubstr("WARN  map " + map), HasSubstr("clouds/000002.pcd")));
+              AllOf(HasSubstr("WARN  map " + map), HasSubstr("clouds/000002.pcd.zst")));
   std::string next_street = street;
   for (int k = 0; k < 150 && next_street == street; ++k) {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));

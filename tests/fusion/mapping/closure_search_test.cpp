@@ -64,7 +64,7 @@ TEST(ClosureSearch, FindsTheSecondTurnDespiteDrift) {
   const double drifted =
       (keyframes[turn].T_odom_vehicle.translation() - truth[turn].translation()).norm();
   EXPECT_GT(drifted, 1.5) << "else nothing is shown";
-  const auto closures = search_closures(keyframes, {}, {}, {}, perfect(truth, 2));
+  const auto closures = search_closures(keyframes, {}, {}, {}, {}, perfect(truth, 2));
   ASSERT_TRUE(closures);
   // Half a circle is driven twice, with a closure every 4 m.
   size_t accepted = 0;
@@ -89,7 +89,7 @@ TEST(ClosureSearch, SeeksWithinTheStatedUncertaintyOnly) {
       closure.reason = "no";
       return {};
     };
-    ASSERT_TRUE(search_closures(keyframes, {}, {}, {}, measure));
+    ASSERT_TRUE(search_closures(keyframes, {}, {}, {}, {}, measure));
     EXPECT_EQ(furthest > 6.5, stated > 1e-3) << furthest;
     EXPECT_GT(furthest, 0);
   }
@@ -102,7 +102,7 @@ TEST(ClosureSearch, RejectsWhatTheOdometryContradicts) {
     closure.reason.clear();
     return {};
   };
-  const auto closures = search_closures(drifting(truth, 0, 1e-5), {}, {}, {}, lie);
+  const auto closures = search_closures(drifting(truth, 0, 1e-5), {}, {}, {}, {}, lie);
   ASSERT_TRUE(closures);
   ASSERT_FALSE(closures->empty());
   for (const Closure& closure : *closures) EXPECT_FALSE(closure.accepted());
@@ -112,8 +112,9 @@ TEST(ClosureSearch, RejectsWhatTheOdometryContradicts) {
 TEST(ClosureSearch, UsesKnownPosesWhereTheyAreMoreCertain) {
   const auto truth = circle();
   const auto keyframes = drifting(truth, 4e-3, 0.05);
-  const auto alone = search_closures(keyframes, {}, {}, {}, perfect(truth, 2));
-  const auto known = search_closures(keyframes, {}, KnownPoses{truth, 0.5}, {}, perfect(truth, 2));
+  const auto alone = search_closures(keyframes, {}, {}, {}, {}, perfect(truth, 2));
+  const auto known =
+      search_closures(keyframes, {}, {}, KnownPoses{truth, 0.5}, {}, perfect(truth, 2));
   ASSERT_TRUE(alone && known);
   const auto accepted = [](const std::vector<Closure>& closures) {
     return std::count_if(closures.begin(), closures.end(),
@@ -123,13 +124,39 @@ TEST(ClosureSearch, UsesKnownPosesWhereTheyAreMoreCertain) {
   EXPECT_LT(accepted(*alone), accepted(*known));
 }
 
+// Where only the pose of a keyframe is left, others stand for it; what an earlier search found is
+// not sought again, and corrects where the others are sought.
+TEST(ClosureSearch, GoesOnFromAnEarlierMap) {
+  const auto truth = circle();
+  auto keyframes = drifting(truth, 2e-4, 2e-3);
+  const auto first = search_closures(keyframes, {}, {}, {}, {}, perfect(truth, 2));
+  ASSERT_TRUE(first);
+  std::vector<Closure> earlier;
+  for (const Closure& closure : *first) {
+    if (closure.accepted()) earlier.push_back(closure);
+  }
+  ASSERT_GT(earlier.size(), 10U);
+  earlier.erase(earlier.begin() + 2, earlier.begin() + 6);
+  for (size_t k = 0; k < keyframes.size(); k += 2) keyframes[k].has_cloud = false;
+  const auto second = search_closures(keyframes, {}, earlier, {}, {}, perfect(truth, 0.3));
+  ASSERT_TRUE(second);
+  size_t accepted = 0;
+  for (const Closure& closure : *second) {
+    EXPECT_EQ(closure.from % 2, 1U);
+    EXPECT_EQ(closure.to % 2, 1U);
+    accepted += closure.accepted() ? 1 : 0;
+  }
+  EXPECT_GE(accepted, 3U) << "the gap is closed, from guesses that are right to 0.3 m";
+  EXPECT_LT(accepted, first->size() / 2);
+}
+
 TEST(ClosureSearch, PassesErrorsOn) {
   const auto truth = circle();
-  const auto closures = search_closures(drifting(truth, 0, 1e-3), {}, {}, {}, [](Closure&) {
+  const auto closures = search_closures(drifting(truth, 0, 1e-3), {}, {}, {}, {}, [](Closure&) {
     return Result<void>(fail("a cloud is damaged"));
   });
   EXPECT_FALSE(closures);
-  EXPECT_TRUE(search_closures({}, {}, {}, {}, perfect(truth, 2)));
+  EXPECT_TRUE(search_closures({}, {}, {}, {}, {}, perfect(truth, 2)));
 }
 
 }  // namespace

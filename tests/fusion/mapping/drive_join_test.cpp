@@ -114,7 +114,7 @@ TEST(DriveJoin, TheSearchFindsTheRestOfTheStreet) {
     if ((closure.T_from_to.translation() - guess).norm() > 2) closure.reason = "not found";
     return {};
   };
-  const auto found = search_closures(keyframes, {join}, {}, {}, verify);
+  const auto found = search_closures(keyframes, {join}, {}, {}, {}, verify);
   ASSERT_TRUE(found);
   size_t accepted = 0;
   for (const Closure& closure : *found) {

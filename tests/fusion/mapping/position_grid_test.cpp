@@ -1,0 +1,38 @@
+#include "fusion/mapping/position_grid.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <set>
+
+namespace infuse::mapping {
+namespace {
+
+// Every position within the radius is found once, and none that is a cell farther away than that.
+TEST(PositionGrid, FindsWhatIsNear) {
+  constexpr double kCell = 5;
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> coordinate(-60, 60);
+  std::vector<Eigen::Vector3d> positions;
+  PositionGrid grid(kCell);
+  for (size_t i = 0; i < 400; ++i) {
+    positions.emplace_back(coordinate(random), coordinate(random), coordinate(random));
+    grid.add(i, positions.back());
+  }
+  for (const double radius : {0.5, 5.0, 17.0}) {
+    for (size_t i = 0; i < positions.size(); ++i) {
+      std::multiset<size_t> found;
+      grid.for_each_near(positions[i], radius, [&](size_t other) { found.insert(other); });
+      for (size_t other = 0; other < positions.size(); ++other) {
+        const Eigen::Vector2d apart = (positions[other] - positions[i]).head<2>();
+        const size_t times = found.count(other);
+        EXPECT_LE(times, apart.cwiseAbs().maxCoeff() > radius + kCell ? 0U : 1U);
+        EXPECT_GE(times, apart.norm() <= radius ? 1U : 0U);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace infuse::mapping
