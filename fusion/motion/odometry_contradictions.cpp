@@ -83,12 +83,13 @@ void OdometryFilter::update_gnss_speed(double measured) {
 }
 
 void OdometryFilter::add(const RelativePose& pose) {
+  const double before = state_.speed();
   RelativePoseUpdate result = state_.update_relative_pose(pose, true);
   if (!result.known) {
     ++late_;
     return;
   }
-  claim_speed(pose, result);
+  claim_speed(pose, result, before);
   if (!result.accepted && result.informative && believe_lidar(result)) {
     state_.release_rotation(pose.from, now_);
     // Where the rotation explains it, wheels still know the speed, which the lidar may not show.
@@ -99,6 +100,7 @@ void OdometryFilter::add(const RelativePose& pose) {
       result = state_.update_relative_pose(pose, wheels);
     }
   }
+  arbiter_.correct(state_.speed() - before);
   sources_.add(OdometrySource::kLidar, result.accepted, now_, result.speed_measured,
                result.rotation_measured);
   outliers_ += result.accepted ? 0 : 1;
@@ -111,7 +113,8 @@ void OdometryFilter::add(const RelativePose& pose) {
 
 // A registration errs for a sweep; where others measure the speed, for longer: as at a tunnel's
 // portal. Where a vehicle pitches or rolls, its points move by what the wheels do not measure.
-void OdometryFilter::claim_speed(const RelativePose& pose, const RelativePoseUpdate& update) {
+void OdometryFilter::claim_speed(const RelativePose& pose, const RelativePoseUpdate& update,
+                                 double state_speed) {
   constexpr double kMaxStepError = 0.3;  // m, of the lidar
   const double seconds = to_seconds(pose.to - pose.from);
   const geometry::Vector6 twist = geometry::log(pose.T_from_to) / seconds;
@@ -119,11 +122,10 @@ void OdometryFilter::claim_speed(const RelativePose& pose, const RelativePoseUpd
   const geometry::Vector6 before = follows ? last_relative_pose_->twist : twist;
   last_relative_pose_ = {pose.to, twist};
   if (!update.speed_measured) return;
-  const double speed = pose.T_from_to.translation().norm() / seconds;
-  const double error =
-      options_.moves_forward ? update.error[3] / seconds : speed - std::abs(state_.speed());
+  const double speed = options_.moves_forward ? twist[3] : twist.tail<3>().norm();
+  const double error = options_.moves_forward ? update.error[3] / seconds : speed - state_speed;
   const double tilt = options_.planar ? 0 : update.error.head<2>().norm() / seconds;
-  SpeedArbiter::Claim claim{now_, state_.speed() + error, error,
+  SpeedArbiter::Claim claim{now_, speed, error,
                             std::hypot(update.speed_sigma, options_.wheelbase * tilt)};
   const geometry::Vector6 change = twist - before;
   const double of_points =

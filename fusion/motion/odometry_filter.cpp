@@ -126,7 +126,9 @@ void OdometryFilter::process_until(Stamp until) {
 void OdometryFilter::process(const SampleQueue::Entry& entry) {
   if (now_ == Stamp::earliest()) now_ = entry.stamp;
   advance(entry.stamp - now_);
+  const double before = state_.speed();
   std::visit([this](const auto& sample) { update(sample); }, entry.sample);
+  arbiter_.correct(state_.speed() - before);
   // A mark's pose is of exactly its time, however near the last one is.
   const bool marked = std::holds_alternative<PoseMark>(entry.sample);
   extend_trajectory(marked ? Duration::zero() : options_.pose_interval);

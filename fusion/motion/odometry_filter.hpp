@@ -115,7 +115,7 @@ class OdometryFilter {
            !arbiter_.is_out(OdometrySource::kSpeed);
   }
   void update_gnss_speed(double measured);
-  void claim_speed(const RelativePose& pose, const RelativePoseUpdate& update);
+  void claim_speed(const RelativePose& pose, const RelativePoseUpdate& update, double state_speed);
   bool believe_lidar(const RelativePoseUpdate& update);
   void detect_standstill(bool at_rest);
   void record(OdometrySource source, bool accepted,

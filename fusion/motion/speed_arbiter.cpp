@@ -8,9 +8,6 @@ namespace infuse::motion {
 namespace {
 
 constexpr double kMaxAcceleration = 12;  // m/s²: tyres on a dry road hold 1.2 g
-// Claims this near each other, in time, are compared for agreement: the state's change between them
-// is no error of theirs.
-constexpr Duration kAtOnce{100'000'000};
 // Where nothing else decides, the first is believed: wheels slip, a registration seldom errs twice.
 constexpr OdometrySource kByTrust[] = {OdometrySource::kLidar, OdometrySource::kWheels,
                                        OdometrySource::kSpeed, OdometrySource::kGnssSpeed};
@@ -26,6 +23,7 @@ double SpeedArbiter::impossible(double change, double seconds, double tolerance)
 
 void SpeedArbiter::add(OdometrySource source, const Claim& claim, Duration lasts) {
   Record& record = at(source);
+  const Stamp before = record.claim.stamp;
   record.claim = claim;
   record.jumped += claim.jump;
   record.furthest = std::max(record.furthest, std::abs(record.jumped));
@@ -43,11 +41,11 @@ void SpeedArbiter::add(OdometrySource source, const Claim& claim, Duration lasts
     record.out = false;
     agreement_ = {};  // what it was out for is no news
   }
-  agree(source);
+  agree(source, before);
 }
 
-// A source that is out agrees at once with one that is not: both in error, by the same, is seldom.
-void SpeedArbiter::agree(OdometrySource source) {
+// Compared with what came since the sample before: the slower of two sources compares them. A source that is out agrees at once with one that is not: both in error, by the same, is seldom.
+void SpeedArbiter::agree(OdometrySource source, Stamp since) {
   const Stamp now = at(source).claim.stamp;
   Agreement found;
   found.speed.fill(std::numeric_limits<double>::quiet_NaN());
@@ -55,8 +53,7 @@ void SpeedArbiter::agree(OdometrySource source) {
     Record& a = at(source);
     Record& b = at(other);
     if (other == source || (a.out && b.out)) continue;
-    if (b.claim.stamp == Stamp::earliest() || now - b.claim.stamp > kAtOnce) continue;
-    if (sigmas_apart(source, other) > 1) continue;
+    if (b.claim.stamp <= since || sigmas_apart(source, other) > 1) continue;
     if (a.out || b.out) {
       Record& back = a.out ? a : b;
       back.out = false;
@@ -67,6 +64,10 @@ void SpeedArbiter::agree(OdometrySource source) {
     found.speed[static_cast<size_t>(other)] = b.claim.speed;
   }
   if (found.stamp != Stamp::earliest()) agreement_ = found;
+}
+
+void SpeedArbiter::correct(double change) {
+  for (Record& record : records_) record.claim.error -= change;
 }
 
 bool SpeedArbiter::takes_part(OdometrySource source, Stamp now) const {

@@ -20,7 +20,7 @@ class SpeedArbiter {
   struct Claim {
     Stamp stamp = Stamp::earliest();
     double speed = 0;  ///< m/s, of the vehicle
-    double error = 0;  ///< m/s: `speed` minus that of the state, in which time is no difference
+    double error = 0;  ///< m/s: `speed` minus that of the state, which time does not change
     double sigma = 0;  ///< m/s, standard deviation
     double jump = 0;   ///< m/s: the part of the change since the sample before that no vehicle makes
   };
@@ -35,6 +35,9 @@ class SpeedArbiter {
 
   /// Adds a sample. `lasts`: how long faults of the source last at most, latest for no limit.
   void add(OdometrySource source, const Claim& claim, Duration lasts);
+
+  /// Notes that a sample corrected the speed of the state, to which claims are relative, m/s.
+  void correct(double change);
 
   /// Decides between the claims, of which that of `source` contradicts the state: those that are
   /// wrong are out. Returns false if that of `source` is.
@@ -64,7 +67,7 @@ class SpeedArbiter {
   bool takes_part(OdometrySource source, Stamp now) const;
   double cost(OdometrySource source, Stamp now) const;
   double sigmas_apart(OdometrySource a, OdometrySource b) const;
-  void agree(OdometrySource source);
+  void agree(OdometrySource source, Stamp since);
 
   OdometryOptions options_;
   std::array<Record, kOdometrySources> records_;
