@@ -72,7 +72,7 @@ Directions directions_of(const Matrix6& information, const OdometryOptions& opti
 /// How well the directions measure the speed, m/s, and whether they measure the rotation about z,
 /// where nothing else is known of either.
 std::pair<double, bool> measured_motion(const Directions& directions, double seconds,
-                                      bool moves_forward) {
+                                        bool moves_forward) {
   constexpr double kMaxYawRateSigma = 0.1;  // rad/s
   Vector6 unknown;
   unknown << Eigen::Vector3d::Constant(kRotationScale / kFreeSigma),
@@ -81,8 +81,7 @@ std::pair<double, bool> measured_motion(const Directions& directions, double sec
       directions.A.transpose() * directions.A + Matrix6(unknown.cwiseAbs2().asDiagonal());
   const Vector6 variance = information.llt().solve(Matrix6::Identity()).diagonal();
   const double shift = moves_forward ? variance[3] : std::max(variance[3], variance[4]);
-  return {std::sqrt(shift) / seconds,
-          std::sqrt(variance[2]) < kMaxYawRateSigma * seconds};
+  return {std::sqrt(shift) / seconds, std::sqrt(variance[2]) < kMaxYawRateSigma * seconds};
 }
 
 }  // namespace

@@ -128,8 +128,7 @@ void OdometryFilter::claim_speed(const RelativePose& pose, const RelativePoseUpd
   SpeedArbiter::Claim claim{now_, speed, error,
                             std::hypot(update.speed_sigma, options_.wheelbase * tilt)};
   const geometry::Vector6 change = twist - before;
-  const double of_points =
-      change.tail<3>().norm() + options_.wheelbase * change.head<3>().norm();
+  const double of_points = change.tail<3>().norm() + options_.wheelbase * change.head<3>().norm();
   claim.jump = SpeedArbiter::impossible(of_points, seconds, kMaxStepError / seconds);
   const bool checked = sources_.speed_known(now_, OdometrySource::kLidar);
   arbiter_.add(OdometrySource::kLidar, claim, checked ? options_.max_silence : Duration::zero());

@@ -28,23 +28,16 @@ void SpeedArbiter::add(OdometrySource source, const Claim& claim, Duration lasts
   record.jumped += claim.jump;
   record.furthest = std::max(record.furthest, std::abs(record.jumped));
   const bool jumps = claim.jump != 0;
-  if (jumps) record.since = claim.stamp;
-  const bool is_back = std::abs(record.jumped) <= 0.5 * record.furthest;
-  if (record.furthest > 0 && is_back) {
-    record.jumped = record.furthest = 0;
-    record.out = false;
-  } else if (record.furthest > 0) {
-    record.out = true;
-  }
-  if (record.out && !jumps && claim.stamp - record.since > lasts) {
-    record.jumped = record.furthest = 0;
-    record.out = false;
-    agreement_ = {};  // what it was out for is no news
-  }
+  if (jumps) put_out(source, claim.stamp);
+  const bool is_back = record.furthest > 0 && std::abs(record.jumped) <= 0.5 * record.furthest;
+  const bool is_over = record.out && !jumps && claim.stamp - record.since > lasts;
+  if (is_back || is_over) record.readmit();
+  if (is_over) agreement_ = {};  // what it was out for is no news
   agree(source, before);
 }
 
-// Compared with what came since the sample before: the slower of two sources compares them. A source that is out agrees at once with one that is not: both in error, by the same, is seldom.
+// Compared with what came since the sample before: the slower of two sources compares them. A
+// source that is out agrees at once with one that is not: both in error, by the same, is seldom.
 void SpeedArbiter::agree(OdometrySource source, Stamp since) {
   const Stamp now = at(source).claim.stamp;
   Agreement found;
@@ -54,11 +47,8 @@ void SpeedArbiter::agree(OdometrySource source, Stamp since) {
     Record& b = at(other);
     if (other == source || (a.out && b.out)) continue;
     if (b.claim.stamp <= since || sigmas_apart(source, other) > 1) continue;
-    if (a.out || b.out) {
-      Record& back = a.out ? a : b;
-      back.out = false;
-      back.jumped = back.furthest = 0;
-    }
+    a.readmit();
+    b.readmit();
     found.stamp = now;
     found.speed[static_cast<size_t>(source)] = a.claim.speed;
     found.speed[static_cast<size_t>(other)] = b.claim.speed;
@@ -72,8 +62,8 @@ void SpeedArbiter::correct(double change) {
 
 bool SpeedArbiter::takes_part(OdometrySource source, Stamp now) const {
   const Record& record = at(source);
-  const Duration silence = source == OdometrySource::kGnssSpeed ? options_.max_gnss_silence
-                                                                : options_.max_silence;
+  const Duration silence =
+      source == OdometrySource::kGnssSpeed ? options_.max_gnss_silence : options_.max_silence;
   return !record.out && record.claim.stamp != Stamp::earliest() &&
          now - record.claim.stamp <= silence;
 }

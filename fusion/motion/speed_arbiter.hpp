@@ -22,13 +22,14 @@ class SpeedArbiter {
     double speed = 0;  ///< m/s, of the vehicle
     double error = 0;  ///< m/s: `speed` minus that of the state, which time does not change
     double sigma = 0;  ///< m/s, standard deviation
-    double jump = 0;   ///< m/s: the part of the change since the sample before that no vehicle makes
+    double jump = 0;  ///< m/s: the part of the change since the sample before that no vehicle makes
   };
 
   /// When two sources last agreed, and on which speeds.
   struct Agreement {
     Stamp stamp = Stamp::earliest();
-    std::array<double, kOdometrySources> speed{};  ///< m/s, by `OdometrySource`; NaN: not one of them
+    std::array<double, kOdometrySources>
+        speed{};  ///< m/s, by `OdometrySource`; NaN: not one of them
   };
 
   explicit SpeedArbiter(const OdometryOptions& options) : options_(options) {}
@@ -61,6 +62,11 @@ class SpeedArbiter {
     double jumped = 0, furthest = 0;  // m/s: sum of its jumps, and its largest
     bool out = false;
     Stamp since = Stamp::earliest();  // out, or the last jump while out
+
+    void readmit() {
+      jumped = furthest = 0;
+      out = false;
+    }
   };
   Record& at(OdometrySource source) { return records_[static_cast<size_t>(source)]; }
   const Record& at(OdometrySource source) const { return records_[static_cast<size_t>(source)]; }
