@@ -54,7 +54,7 @@ EstimatedParameter OdometryState::speed_error(const WheelOdometry& sample) const
   double nearest = sample.speed - x_[kSpeed];
   for (size_t i = 0; i < 4; ++i) {
     const double error = sample.wheel_speed[i] - expected_wheel_speed(i);
-    if (!(std::abs(nearest) <= std::abs(error))) nearest = error;  // NaN too
+    if (std::isnan(nearest) || std::abs(error) < std::abs(nearest)) nearest = error;
   }
   const double by_scale = x_[kSpeed] * parameter(kWheelScale).sigma;
   return {x_[kWheelScale] * nearest, std::hypot(options_.wheel_noise, by_scale)};

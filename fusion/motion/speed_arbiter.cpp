@@ -25,10 +25,12 @@ void SpeedArbiter::add(OdometrySource source, const Claim& claim, Duration lasts
   Record& record = at(source);
   const Stamp before = record.claim.stamp;
   record.claim = claim;
-  record.jumped += claim.jump;
+  const bool jumps = std::abs(claim.jump) > 0;  // not NaN
+  if (jumps) {
+    record.jumped += claim.jump;
+    put_out(source, claim.stamp);
+  }
   record.furthest = std::max(record.furthest, std::abs(record.jumped));
-  const bool jumps = claim.jump != 0;
-  if (jumps) put_out(source, claim.stamp);
   const bool is_back = record.furthest > 0 && std::abs(record.jumped) <= 0.5 * record.furthest;
   const bool is_over = record.out && !jumps && claim.stamp - record.since > lasts;
   if (is_back || is_over) record.readmit();

@@ -19,7 +19,7 @@ inline double smallest_change(const WheelOdometry& from, const WheelOdometry& to
   double smallest = to.speed - from.speed;
   for (size_t i = 0; i < to.wheel_speed.size(); ++i) {
     const double change = to.wheel_speed[i] - from.wheel_speed[i];
-    if (!(std::abs(smallest) <= std::abs(change))) smallest = change;  // NaN too
+    if (std::isnan(smallest) || std::abs(change) < std::abs(smallest)) smallest = change;
   }
   return smallest;
 }

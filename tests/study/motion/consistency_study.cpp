@@ -28,58 +28,60 @@ constexpr Combination kCombinations[] = {
     {"lidar, GNSS", {.gnss = true, .lidar = true}},
     {"all", {.wheels = true, .bus = true, .gyro = true, .gnss = true, .lidar = true}},
 };
-constexpr double kLearned = 15, kEnd = 75;  // s; until the first what is constant is learned
+// s: until the first what is constant is learned. Without a lidar what motions share is in the
+// covariance of the whole path only: motions from the begin on are compared.
+constexpr double kLearned = 15, kBegin = 1, kEnd = 75;
 constexpr std::array<double, 3> kSpans = {1, 10, 60};  // s
 
-/// The planar part where nothing measures more.
-double normalised(const geometry::Vector6& error, const geometry::Matrix6& covariance,
-                  bool planar) {
-  if (!planar) return error.dot(covariance.ldlt().solve(error)) / 6;
-  const Eigen::Vector3d part = error.segment<3>(2);
-  return part.dot(covariance.block<3, 3>(2, 2).ldlt().solve(part)) / 3;
-}
-
-struct Sum {
-  double squares = 0;
-  int count = 0, missing = 0;
+/// Sums over motions: squared errors, and the variances that are stated of them.
+struct Sums {
+  double heading = 0, heading_variance = 0;    // rad²
+  double position = 0, position_variance = 0;  // m², in the plane
+  int missing = 0;
 };
 
-void add_motions(const geometry::Trajectory& trajectory, const TrueDrive& drive, bool planar,
-                 double span, Sum& sum) {
-  for (double t = kLearned; t + span < kEnd + 0.5; t += span) {
+void add_motions(const geometry::Trajectory& trajectory, const TrueDrive& drive, bool lidar,
+                 double span, Sums& sums) {
+  const double first = lidar ? kLearned : kBegin, last = lidar ? kEnd : kBegin + span;
+  for (double t = first; t + span < last + 0.5; t += span) {
     const auto motion = trajectory.between(seconds(t), seconds(t + span));
     if (!motion.usable()) {
-      ++sum.missing;
+      ++sums.missing;
       continue;
     }
     const Eigen::Isometry3d truth = drive.pose(t).inverse() * drive.pose(t + span);
-    const geometry::Vector6 error = geometry::log(truth * motion.T_from_to.inverse());
-    sum.squares += normalised(error, motion.covariance, planar);
-    ++sum.count;
+    // At the end of the motion: a covariance is of its begin.
+    const geometry::Matrix6 to_end = geometry::adjoint(motion.T_from_to.inverse());
+    const geometry::Matrix6 covariance = to_end * motion.covariance * to_end.transpose();
+    const geometry::Vector6 error = geometry::log(motion.T_from_to.inverse() * truth);
+    sums.heading += error[2] * error[2];
+    sums.heading_variance += covariance(2, 2);
+    sums.position += error.segment<2>(3).squaredNorm();
+    sums.position_variance += covariance(3, 3) + covariance(4, 4);
   }
 }
 
 }  // namespace
 
 void write_consistency(std::ostream& out, uint64_t seed, int drives) {
-  out << "| sources | 1 s | 10 s | 60 s |\n|---|---|---|---|\n";
+  out << "| sources | 1 s: heading, position | 10 s | 60 s |\n|---|---|---|---|\n";
   for (const auto& [name, used] : kCombinations) {
-    std::array<Sum, kSpans.size()> sums;
+    std::array<Sums, kSpans.size()> sums;
     for (int i = 0; i < drives; ++i) {
       DrawnDrive drawn(seed + static_cast<uint64_t>(i));
       drawn.fault = kNothing;
       const TrueDrive drive =
           true_drive(drawn, kEnd + 1, unseen_motion(kEnd + 3, drawn.seed, OdometryOptions()));
       const geometry::Trajectory trajectory = drive_by(used, drawn, drive);
-      const bool planar = !used.gyro && !used.lidar;
       for (size_t k = 0; k < kSpans.size(); ++k) {
-        add_motions(trajectory, drive, planar, kSpans[k], sums[k]);
+        add_motions(trajectory, drive, used.lidar, kSpans[k], sums[k]);
       }
     }
     out << "| " << name;
-    for (const Sum& sum : sums) {
-      char text[32];
-      std::snprintf(text, sizeof text, " | %.2f", sum.squares / std::max(1, sum.count));
+    for (const Sums& sum : sums) {
+      char text[48];
+      std::snprintf(text, sizeof text, " | %.2f, %.2f", sum.heading / sum.heading_variance,
+                    sum.position / sum.position_variance);
       out << text;
       if (sum.missing > 0) out << " (" << sum.missing << " without a pose)";
     }
