@@ -8,7 +8,7 @@
 namespace infuse::motion {
 namespace {
 
-constexpr Duration kMaxPredictionStep{50'000'000};  // maximum duration of one prediction
+constexpr Duration kMaxPredictionStep{50'000'000};     // maximum duration of one prediction
 constexpr Duration kMinSteeringInterval{100'000'000};  // the errors are correlated: more samples
                                                        // add no information
 

@@ -85,9 +85,7 @@ class OdometryFilter {
   bool carries(OdometrySource source) const { return sources_.carries(source, now_); }
 
   /// True while wheels measure how the vehicle moves, in a model that leaves no direction out.
-  bool wheels_measure_motion() const {
-    return wheels_measure_speed() && !options_.planar;
-  }
+  bool wheels_measure_motion() const { return wheels_measure_speed() && !options_.planar; }
 
   /// True while wheels, or what states the vehicle's speed instead, measure it.
   bool has_wheels() const {
