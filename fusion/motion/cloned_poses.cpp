@@ -69,11 +69,11 @@ Directions directions_of(const Matrix6& information, const OdometryOptions& opti
   return directions;
 }
 
-/// Whether the directions measure speed and rotation about z, where nothing else is known of
-/// either.
-std::pair<bool, bool> measured_motion(const Directions& directions, double seconds,
-                                      bool moves_forward) {
-  constexpr double kMaxSpeedSigma = 1, kMaxYawRateSigma = 0.1;  // m/s, rad/s (decision 17)
+/// How well the directions measure the speed, m/s, and whether they measure the rotation about z,
+/// where nothing else is known of either.
+std::pair<double, bool> measured_motion(const Directions& directions, double seconds,
+                                        bool moves_forward) {
+  constexpr double kMaxYawRateSigma = 0.1;  // rad/s (decision 17)
   Vector6 unknown;
   unknown << Eigen::Vector3d::Constant(kRotationScale / kFreeSigma),
       Eigen::Vector3d::Constant(1 / kFreeSigma);
@@ -81,8 +81,7 @@ std::pair<bool, bool> measured_motion(const Directions& directions, double secon
       directions.A.transpose() * directions.A + Matrix6(unknown.cwiseAbs2().asDiagonal());
   const Vector6 variance = information.llt().solve(Matrix6::Identity()).diagonal();
   const double shift = moves_forward ? variance[3] : std::max(variance[3], variance[4]);
-  return {std::sqrt(shift) < kMaxSpeedSigma * seconds,
-          std::sqrt(variance[2]) < kMaxYawRateSigma * seconds};
+  return {std::sqrt(shift) / seconds, std::sqrt(variance[2]) < kMaxYawRateSigma * seconds};
 }
 
 }  // namespace
@@ -136,8 +135,10 @@ RelativePoseUpdate OdometryState::update_relative_pose(const RelativePose& pose,
   const Directions directions =
       directions_of(options_.planar ? planar_part(pose.information) : pose.information, options_);
   result.informative = directions.count > 0;
-  std::tie(result.speed_measured, result.rotation_measured) =
+  constexpr double kMaxSpeedSigma = 1;  // m/s, rad/s (decision 17)
+  std::tie(result.speed_sigma, result.rotation_measured) =
       measured_motion(directions, to_seconds(pose.to - pose.from), options_.moves_forward);
+  result.speed_measured = result.speed_sigma < kMaxSpeedSigma;
   if (!result.informative) return result;
   const int at_from = kMotionSize + 6 * static_cast<int>(from);
   const int at_to = kMotionSize + 6 * static_cast<int>(to);
@@ -182,13 +183,13 @@ RelativePoseUpdate OdometryState::update_relative_pose(const RelativePose& pose,
   return result;
 }
 
-// The rate was wrong by a constant since then: one direction of the state.
-void OdometryState::release(int rate, int axis, double sigma, Stamp since, Stamp now) {
+// The rate, or the motion, was wrong by a constant since then: one direction of the state.
+void OdometryState::release(int rate, double sigma, const Vector6& twist, Stamp since, Stamp now) {
   const Eigen::Isometry3d* T_odom_since = cloned_pose(since);
   if (T_odom_since == nullptr) return;
-  const Vector6 moved = sigma * geometry::adjoint(*T_odom_since).col(axis);
+  const Vector6 moved = sigma * geometry::adjoint(*T_odom_since) * twist;
   Vector direction = Vector::Zero();
-  direction[rate] = sigma;
+  if (rate != kPose) direction[rate] = sigma;
   direction.head<6>() = to_seconds(now - since) * moved;
   for (size_t i = 0; i < kMaxClones; ++i) {
     if (clones_[i].stamp <= since) continue;
@@ -200,16 +201,20 @@ void OdometryState::release(int rate, int axis, double sigma, Stamp since, Stamp
 
 void OdometryState::release_speed(Stamp since, Stamp now) {
   constexpr double kSigma = 10;  // m/s (decision 17)
-  release(kSpeed, 3, kSigma, since, now);
+  release(kSpeed, kSigma, Vector6::Unit(3), since, now);
   if (options_.moves_forward) return;
-  release(kLateralVelocity, 4, kSigma, since, now);
-  if (!options_.planar) release(kVerticalVelocity, 5, kSigma, since, now);
+  release(kLateralVelocity, kSigma, Vector6::Unit(4), since, now);
+  if (!options_.planar) release(kVerticalVelocity, kSigma, Vector6::Unit(5), since, now);
 }
 
+// Where a vehicle pitches or rolls, about whichever of its points, the others move.
 void OdometryState::release_rotation(Stamp since, Stamp now) {
   constexpr double kSigma = 0.3;  // rad/s (decision 17)
   for (int i = options_.planar ? 2 : 0; i < 3; ++i) {
-    release(kAngularVelocity + i, i, kSigma, since, now);
+    release(kAngularVelocity + i, kSigma, Vector6::Unit(i), since, now);
+    if (!options_.planar) {
+      release(kPose, kSigma * options_.wheelbase, Vector6::Unit(3 + i), since, now);
+    }
   }
 }
 

@@ -8,6 +8,7 @@
 #include "fusion/motion/odometry_trajectory.hpp"
 #include "fusion/motion/rate_delay.hpp"
 #include "fusion/motion/sample_queue.hpp"
+#include "fusion/motion/speed_arbiter.hpp"
 
 namespace infuse::motion {
 
@@ -84,9 +85,7 @@ class OdometryFilter {
   bool carries(OdometrySource source) const { return sources_.carries(source, now_); }
 
   /// True while wheels measure how the vehicle moves, in a model that leaves no direction out.
-  bool wheels_measure_motion() const {
-    return has_wheels() && !wheels_suspended_ && !options_.planar;
-  }
+  bool wheels_measure_motion() const { return wheels_measure_speed() && !options_.planar; }
 
   /// True while wheels, or what states the vehicle's speed instead, measure it.
   bool has_wheels() const {
@@ -109,11 +108,13 @@ class OdometryFilter {
   void update_gyro(const std::array<double, 3>& rate, double noise);
   EstimatedParameter delay_of(OdometrySource rates) const;
   void update_wheel_speeds(const WheelOdometry& sample);
-  bool have_jumped(const WheelOdometry& sample, bool at_rest);
-  bool readmit_wheels(const WheelOdometry& sample);
+  bool wheels_measure_speed() const {
+    return has_wheels() && !arbiter_.is_out(OdometrySource::kWheels) &&
+           !arbiter_.is_out(OdometrySource::kSpeed);
+  }
   void update_gnss_speed(double measured);
-  bool wheels_slip(double gnss_speed) const;
-  bool believe_lidar(const RelativePose& pose, const RelativePoseUpdate& update) const;
+  void claim_speed(const RelativePose& pose, const RelativePoseUpdate& update, double state_speed);
+  bool believe_lidar(const RelativePoseUpdate& update);
   void detect_standstill(bool at_rest);
   void record(OdometrySource source, bool accepted,
               void (OdometryState::*reset_covariance)() = nullptr);
@@ -125,32 +126,20 @@ class OdometryFilter {
   SampleQueue queue_;
   Stamp now_ = Stamp::earliest();
   OdometrySources sources_;
+  SpeedArbiter arbiter_;
   GnssPositionCheck gnss_position_check_;
-  std::optional<double> last_gnss_speed_;  // m/s, the last accepted
   /// What the last relative pose measured, accepted or not.
   struct LastRelativePose {
     Stamp to;
     geometry::Vector6 twist;  // per second
-    double contradiction;     // m: error along the path; 0 if wheels were not contradicted
   };
   std::optional<LastRelativePose> last_relative_pose_;
-  /// When the speed of the receiver and that of the filter last agreed; both speeds, m/s.
-  struct SpeedAgreement {
-    Stamp stamp;
-    double gnss = 0, filter = 0;
-  };
-  std::optional<SpeedAgreement> speed_agreement_;
   RateDelay yaw_rate_delay_, imu_delay_;
   Stamp last_gnss_speed_stamp_ = Stamp::earliest();
   Stamp last_course_stamp_ = Stamp::earliest();
-  bool wheels_suspended_ = false;
-  Stamp wheels_agree_since_ = Stamp::latest();  // while suspended
   Stamp last_steering_stamp_ = Stamp::earliest();
   Stamp at_rest_since_ = Stamp::latest();
-  std::optional<WheelOdometry> last_wheels_;    // accepted
-  std::optional<WheelOdometry> jumped_wheels_;  // the last, while wheels that jumped are out
-  Stamp jumped_since_ = Stamp::latest();
-  bool rest_refuted_ = false;  // wheels rest, and the vehicle turns
+  std::optional<WheelOdometry> last_wheels_;
   uint64_t late_ = 0, outliers_ = 0, invalid_samples_ = 0;
 };
 

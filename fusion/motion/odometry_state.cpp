@@ -119,7 +119,7 @@ void OdometryState::reset_motion(double seconds) {
 
 // The acceleration was wrong by a constant: one direction of the state.
 void OdometryState::release_acceleration(double seconds) {
-  constexpr double kSigma = 10;  // m/s²
+  constexpr double kSigma = 10;  // m/s (decision 17)
   Vector direction = Vector::Zero();
   direction[kAcceleration] = kSigma;
   direction[kSpeed] = kSigma * seconds;

@@ -22,6 +22,7 @@ struct RelativePoseUpdate {
   bool informative = false;                                     ///< it measures any direction
   bool accepted = false;                                        ///< consistent with the motion
   bool speed_measured = false;                                  ///< to 1 m/s, whatever was known
+  double speed_sigma = 0;                                       ///< m/s, of that
   bool rotation_measured = false;                               ///< about z, to 0.1 rad/s
   geometry::Vector6 error = geometry::Vector6::Zero();          ///< measured minus predicted motion
   geometry::Vector6 change_at_to = geometry::Vector6::Zero();   ///< left perturbation of the pose
@@ -99,8 +100,10 @@ class OdometryState {
   /// Updates with zero speed and rotation.
   void update_standstill();
 
-  /// Returns true if any wheel speed agrees with the motion within `tolerance` m/s.
-  bool agrees(const WheelOdometry& sample, double tolerance) const;
+  /// Speed of the vehicle that a sample states, relative to `speed()`, m/s. Of wheels that of the
+  /// nearest: the others may spin.
+  EstimatedParameter speed_error(const WheelOdometry& sample) const;
+  EstimatedParameter gnss_speed_error(double measured, double noise) const;  ///< noise: m/s
 
   /// Keeps a clone of the current pose, of time `stamp`; replaces the oldest.
   void clone_pose(Stamp stamp);
@@ -141,7 +144,7 @@ class OdometryState {
 
  private:
   void start_rotation();
-  void release(int rate, int axis, double sigma, Stamp since, Stamp now);
+  void release(int rate, double sigma, const geometry::Vector6& twist, Stamp since, Stamp now);
   bool is_moving() const { return velocity().norm() > options_.standstill_speed * x_[kWheelScale]; }
   /// m/s, in the vehicle frame.
   Eigen::Vector3d velocity() const {

@@ -7,6 +7,7 @@
 
 #include "drivers/measurement/rotation.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
+#include "fusion/motion/odometry_options.hpp"
 
 namespace infuse::motion {
 namespace {
@@ -168,10 +169,32 @@ void RateDelay::find() {
     const double curvature = costs[best - 1] - 2 * costs[best] + costs[best + 1];
     const double offset = 0.5 * (costs[best - 1] - costs[best + 1]) / curvature;
     result.value = kStep * (static_cast<double>(best) - kSteps + offset);
-    result.sigma = sigma_at(best, offset, total);
+    result.sigma = std::hypot(sigma_at(best, offset, total), spread(costs, best, result.value));
     if (!(result.sigma <= kMaxSigma)) result.reason = "the vehicle turns too little";
   }
-  if (result.usable() || !found_.usable()) found_ = result;
+  if (found_.usable()) {
+    const double at = std::round(found_.value / kStep) + kSteps;
+    const bool refuted = costs[static_cast<Eigen::Index>(at)] + std::log(kSure) > costs[best];
+    if (!result.usable() && !refuted) return;
+  }
+  found_ = result;
+}
+
+// A few seconds of noise may fit another delay nearly as well. The prior is what is assumed of a
+// sensor before.
+double RateDelay::spread(const Costs& costs, Eigen::Index best, double value) {
+  constexpr double kPrior = OdometryOptions{}.imu_delay_sigma;  // s
+  constexpr Eigen::Index kNear =
+      2;  // candidates, derived from the parabola: that spread is `sigma_at`
+  double sum = 0, squares = 0;
+  for (Eigen::Index i = 0; i < kCandidates; ++i) {
+    const double delay = kStep * static_cast<double>(i - kSteps);
+    const double weight = std::exp(costs[best] - costs[i] +
+                                   0.5 * (value * value - delay * delay) / (kPrior * kPrior));
+    sum += weight;
+    if (std::abs(i - best) > kNear) squares += weight * (delay - value) * (delay - value);
+  }
+  return std::sqrt(squares / sum);
 }
 
 // By the scatter of the seconds' gradients (Huber's sandwich), at least by the curvature. Few

@@ -67,6 +67,7 @@ class RateDelay {
   void next_block(Stamp begin);
   void find();
   static Rates variance_of(const Block& total, Eigen::Index candidate);
+  static double spread(const Costs& costs, Eigen::Index best, double value);
   double sigma_at(Eigen::Index best, double offset, const Block& total) const;
 
   std::vector<Angle> angles_;  // ring

@@ -50,11 +50,14 @@ int OdometryState::update_wheels(const WheelOdometry& sample) {
   return accepted;
 }
 
-bool OdometryState::agrees(const WheelOdometry& sample, double tolerance) const {
+EstimatedParameter OdometryState::speed_error(const WheelOdometry& sample) const {
+  double nearest = sample.speed - x_[kSpeed];
   for (size_t i = 0; i < 4; ++i) {
-    if (std::abs(sample.wheel_speed[i] - expected_wheel_speed(i)) <= tolerance) return true;
+    const double error = sample.wheel_speed[i] - expected_wheel_speed(i);
+    if (std::isnan(nearest) || std::abs(error) < std::abs(nearest)) nearest = error;
   }
-  return std::abs(sample.speed - x_[kSpeed]) <= tolerance;
+  const double by_scale = x_[kSpeed] * parameter(kWheelScale).sigma;
+  return {x_[kWheelScale] * nearest, std::hypot(options_.wheel_noise, by_scale)};
 }
 
 bool OdometryState::update_yaw_rate(double yaw_rate, double noise) {
@@ -136,8 +139,15 @@ bool OdometryState::update_steering(double steering_angle) {
 bool OdometryState::update_gnss_speed(double measured, double noise) {
   Vector H = speed_derivative();
   H[kGnssDelay] = -driving_direction() * x_[kWheelScale] * x_[kAcceleration];
-  const double expected = driving_direction() * speed() + H[kGnssDelay] * x_[kGnssDelay];
-  return update(measured - expected, H, noise, kGateSigmas);
+  const double error = driving_direction() * gnss_speed_error(measured, noise).value;
+  return update(error, H, noise, kGateSigmas);
+}
+
+EstimatedParameter OdometryState::gnss_speed_error(double measured, double noise) const {
+  const double by_delay = x_[kWheelScale] * x_[kAcceleration];  // per second that it is late
+  const double late = by_delay * x_[kGnssDelay];
+  return {driving_direction() * measured - speed() + late,
+          std::hypot(noise, by_delay * parameter(kGnssDelay).sigma)};
 }
 
 // A receiver does not tell forward from reverse. A speed that is not known yet is near 0 with

@@ -14,7 +14,7 @@ namespace infuse::streetmap {
 
 /// Settings of `PlaceCheck`.
 struct PlaceCheckOptions {
-  double spacing = 4;           ///< m between displaced poses along and across the heading
+  double spacing = 4;           ///< m between hypotheses along and across a street (decision 17)
   double max_along = 42;        ///< m, furthest pose along the heading
   double max_across = 26;       ///< m, furthest pose across the heading
   int like_places = 24;         ///< number of poses drawn on other carriageways, parallel streets
