@@ -57,7 +57,8 @@ void declare_arguments(CLI::App& app, CalibrateArguments& arguments) {
   declare_inputs(app, arguments);
   app.add_option("--intrinsics-sigma", arguments.intrinsics_sigma,
                  "standard deviations to which focal length, principal point and k1 are known: "
-                 "part of the stated covariance (0.2,0.5,0.005)")
+                 "part of the stated covariance (intrinsics_sigma of the rig; without that, what "
+                 "the scenes show). A careful calibration with a board: 0.2,0.5,0.005")
       ->expected(3)
       ->delimiter(',')
       ->type_name("PERCENT,PX,K1");
@@ -93,14 +94,34 @@ void declare_arguments(CLI::App& app, CalibrateArguments& arguments) {
 }
 
 calibration::KnownParameters known_parameters(const CalibrateArguments& arguments,
+                                              std::span<const CameraMount> cameras,
                                               Duration time_sigma) {
   if (const auto& ms = arguments.time_sigma_ms) {
     time_sigma = from_seconds(1e-3 * std::clamp(*ms, -1.0, 1e3));
   }
-  return {.focal_sigma = arguments.intrinsics_sigma[0] / 100,
-          .principal_point_sigma = arguments.intrinsics_sigma[1],
-          .radial_sigma = arguments.intrinsics_sigma[2],
-          .time_sigma = time_sigma};
+  calibration::KnownParameters known{.time_sigma = time_sigma};
+  const auto state = [&](const IntrinsicsSigma& sigma) {
+    known.focal_sigma = sigma.focal_length;
+    known.principal_point_sigma = sigma.principal_point;
+    known.radial_sigma = sigma.radial;
+  };
+  if (const std::vector<double>& given = arguments.intrinsics_sigma; !given.empty()) {
+    state({given[0] / 100, given[1], given[2]});
+    return known;
+  }
+  IntrinsicsSigma largest;
+  for (const CameraMount& camera : cameras) {
+    if (!camera.intrinsics_sigma) {
+      known.intrinsics_stated = false;
+      return known;
+    }
+    const IntrinsicsSigma& one = *camera.intrinsics_sigma;
+    largest = {std::max(largest.focal_length, one.focal_length),
+               std::max(largest.principal_point, one.principal_point),
+               std::max(largest.radial, one.radial)};
+  }
+  if (!cameras.empty()) state(largest);
+  return known;
 }
 
 std::optional<std::string> find_usage_error(const CalibrateArguments& arguments) {

@@ -70,8 +70,9 @@ class RealDrive : public testing::Test {
   }
 
   json calibrate(const std::string& arguments) {
-    const std::string output =
-        run_quietly("infuse calibrate " + drive_.string() + " --json " + arguments).output;
+    const std::string output = run_quietly("infuse calibrate " + drive_.string() +
+                                           " --intrinsics-sigma 0.2,0.5,0.005 --json " + arguments)
+                                   .output;
     EXPECT_TRUE(is_result(output, "calibrate"));
     return json::parse(output);
   }

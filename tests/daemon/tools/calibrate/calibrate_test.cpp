@@ -3,11 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "drivers/import/kitti_import.hpp"
 #include "drivers/import/opencalib_import.hpp"
+#include "drivers/measurement/angles.hpp"
 #include "drivers/recording/drive_toml.hpp"
 #include "tests/daemon/pipeline/run_replay.hpp"
 #include "tests/daemon/run_program.hpp"
@@ -20,6 +22,9 @@ namespace {
 
 using nlohmann::json;
 using testing::HasSubstr;
+
+/// As a careful calibration with a board leaves them; KITTI's files state nothing.
+const std::string kStated = " --intrinsics-sigma 0.2,0.5,0.005";
 
 ProgramResult calibrate(const std::string& arguments) {
   return run_shell_command(programs_folder() + "/infuse calibrate " + arguments + " 2>/dev/null");
@@ -39,7 +44,7 @@ TEST(CalibrateCommand, RealKittiPairsConvergeAndWriteARig) {
   ASSERT_TRUE(importers::import_kitti(kitti, drive));
   const auto rig_file = folder / "rig.toml";
   const ProgramResult ran =
-      calibrate(drive.string() + " --perturb 1,0.05 --seed 2 --json --report " +
+      calibrate(drive.string() + kStated + " --perturb 1,0.05 --seed 2 --json --report " +
                 (folder / "report").string() + " -o " + rig_file.string());
   EXPECT_EQ(ran.code, 0) << ran.output;
   EXPECT_TRUE(is_result(ran.output, "calibrate"));
@@ -65,6 +70,22 @@ TEST(CalibrateCommand, RealKittiPairsConvergeAndWriteARig) {
   EXPECT_THAT(html, HasSubstr("Usable: "));
   EXPECT_LT(html.find("standard deviation"), html.find("<svg"));
   EXPECT_THAT(html, HasSubstr("data:image/png;base64,"));
+}
+
+// 30 px are 2.4°, which these pairs do not show: only stated intrinsics are trusted.
+TEST(CalibrateCommand, RealKittiPairsAreNotUsableWithIntrinsicsThatNobodyStates) {
+  INFUSE_REAL_DATA_OR_SKIP(kitti, "calibration/kitti");
+  TemporaryFolder folder;
+  const auto drive = folder / "drive";
+  ASSERT_TRUE(importers::import_kitti(kitti, drive));
+  const ProgramResult ran = calibrate(drive.string() + " --perturb 1,0.05 --seed 2 --json");
+  EXPECT_EQ(ran.code, 1);
+  const json result = json::parse(ran.output, nullptr, false);
+  ASSERT_TRUE(result.is_object()) << ran.output;
+  EXPECT_THAT(result["reason"].get<std::string>(), HasSubstr("intrinsics_sigma"));
+  EXPECT_LT(result["error"]["rotation_deg"].get<double>(), 0.2);
+  const double pitch_variance = result["covariance"][0][0].get<double>();
+  EXPECT_GT(std::sqrt(pitch_variance), 0.2 * kDegree);
 }
 
 TEST(CalibrateCommand, RealKittiTwoScansAreNotUsable) {
