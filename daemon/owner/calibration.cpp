@@ -77,7 +77,7 @@ std::string calibration_text(const Json& report) {
         "  {} images evaluated; evidence of a drift {:.1f}, threshold {:.1f} nats ({})\n",
         report.value("evaluations", uint64_t{0}), evidence.value("nats", 0.0),
         evidence.value("threshold_nats", 0.0), text_of(evidence, "axis"));
-    lines += fmt::format("  estimated offset ({})°, ({}) cm\n",
+    lines += fmt::format("  estimated error ({})°, ({}) cm\n",
                          offset_text(report["offset"], report["offset_sigma"], 0, 1 / kDegree),
                          offset_text(report["offset"], report["offset_sigma"], 3, 100));
   }

@@ -118,6 +118,18 @@ std::string pose_text(const Json& message) {
                          : state + ", not usable: " + text_of(message, "reason"));
 }
 
+/// True for a camera that is silent, or cannot be opened.
+bool gives_no_images(const Json& health, const std::string& camera) {
+  for (const Json& stream : health.value("streams", Json::array())) {
+    if (text_of(stream, "device") != camera) continue;
+    for (const Json& finding : stream.value("findings", Json::array())) {
+      const std::string id = text_of(finding, "id");
+      if (id == "silent" || id == "unavailable") return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 std::string text_of(const Json& object, const char* key) {
@@ -176,8 +188,12 @@ std::string health_text(const Json& health) {
     lines += findings_text(map);
   }
   for (const Json& calibration : health.value("calibrations", Json::array())) {
-    lines += fmt::format("  {:<5} calibration of {}\n", text_of(calibration, "level"),
-                         text_of(calibration, "device"));
+    const std::string camera = text_of(calibration, "device");
+    const bool blind = gives_no_images(health, camera);
+    // A calibration that nothing watches is not OK; what was found before still holds.
+    const std::string level = text_of(calibration, "level");
+    lines += fmt::format("  {:<5} calibration of {}{}\n", blind && level == "OK" ? "-" : level,
+                         camera, blind ? ": not monitored, no images" : "");
     lines += findings_text(calibration);
   }
   if (health.contains("host")) lines += stores_text(health["host"]);

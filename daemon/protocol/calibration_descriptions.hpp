@@ -92,8 +92,8 @@ void describe(Visitor& v, const CalibrationReport& report) {
   v.field("evidence", when(evaluated, DriftEvidence{verdict}),
           "for a drift, along the axis with the most; absent before the first evaluation");
   v.field("offset", when(evaluated, verdict.offset),
-          "estimated error of the calibration: rx ry rz tx ty tz about and along the camera's "
-          "axes, rad and m");
+          "estimated error of the calibration in use: rx ry rz tx ty tz about and along the "
+          "camera's axes, rad and m; T_camera_lidar in use = exp(offset) times the true one");
   v.field("offset_at_least", evaluated && verdict.at_least,
           "the offset is a lower bound: the camera is turned by more than can be measured");
   v.field("offset_sigma", when(evaluated, sigma), "its standard deviations; 1e9 where unknown");

@@ -28,6 +28,13 @@ struct CameraIntrinsics {
   std::optional<std::string> invalid() const;
 };
 
+/// Standard deviations of a camera's intrinsics.
+struct IntrinsicsSigma {
+  double focal_length = 0;     ///< of the logarithm of the focal lengths
+  double principal_point = 0;  ///< px, across and down
+  double radial = 0;           ///< of k1
+};
+
 /// Mounting of a camera.
 struct CameraMount {
   std::string name;             ///< unique in the rig
@@ -39,6 +46,8 @@ struct CameraMount {
   /// From the exposure of the top row to that of the bottom row; "the exposure" is that of the
   /// middle row. 0: a global shutter. Negative: the bottom row is the first.
   Duration readout{0};
+  /// To what the intrinsics are known; empty: nobody states it.
+  std::optional<IntrinsicsSigma> intrinsics_sigma = std::nullopt;
 };
 
 /// Mounting of a lidar.

@@ -114,6 +114,11 @@ void add_mount(std::string& text, const CameraMount& mount) {
   add(text, "cx", format_number(intrinsics.cx));
   add(text, "cy", format_number(intrinsics.cy));
   add(text, "distortion", format_numbers(std::span(intrinsics.distortion).first(fisheye ? 4 : 5)));
+  if (const auto& sigma = mount.intrinsics_sigma) {
+    add(text, "intrinsics_sigma",
+        format_numbers(
+            std::array{100 * sigma->focal_length, sigma->principal_point, sigma->radial}));
+  }
   add_text(text, "lidar", mount.lidar);
   add_transform(text, "T_camera_lidar", mount.T_camera_lidar);
   add_ms(text, "stamp_delay_ms", mount.stamp_delay);

@@ -100,6 +100,18 @@ void read_intrinsics(TomlTable& table, CameraIntrinsics& intrinsics) {
   std::copy(distortion.begin(), distortion.end(), intrinsics.distortion.begin());
 }
 
+/// The numbers of `infuse calibrate --intrinsics-sigma`: %, px, k1.
+void read_intrinsics_sigma(TomlTable& table, std::optional<IntrinsicsSigma>& sigma) {
+  constexpr const char* kKey = "intrinsics_sigma";
+  if (table.node(kKey) == nullptr) return;
+  std::vector<double> numbers;
+  table.read(kKey, 3, numbers);
+  if (numbers.size() != 3 || std::ranges::any_of(numbers, [](double x) { return !(x >= 0); })) {
+    return table.report_error(kKey, std::string(kKey) + " must be three numbers of at least 0");
+  }
+  sigma = {numbers[0] / 100, numbers[1], numbers[2]};
+}
+
 /// Reads `name`_ms and `name`_sigma_ms.
 void read_delay(TomlTable& table, const std::string& name, Duration& delay, Duration& sigma) {
   const auto read = [&](const std::string& key, double least, const char* range, Duration& value) {
@@ -116,6 +128,7 @@ void read_mount(TomlTable& table, CameraMount& mount) {
   for (const char* key : {"name", "lidar", "T_camera_lidar"}) table.require(key);
   read_name(table, mount.name);
   read_intrinsics(table, mount.intrinsics);
+  read_intrinsics_sigma(table, mount.intrinsics_sigma);
   table.read("lidar", mount.lidar);
   table.read("T_camera_lidar", mount.T_camera_lidar);
   read_delay(table, "stamp_delay", mount.stamp_delay, mount.stamp_delay_sigma);

@@ -233,7 +233,7 @@ std::vector<ParameterCheck> CalibrationSteps::check_parameters(
   std::vector<ParameterCheck> all =
       check_model(T, cameras_.size(), fine_scenes_, uncertainty, options_.known);
   for (size_t c = 0; c < estimates.size(); ++c) {
-    if (estimates[c]) set_limits(*estimates[c], c, all);
+    set_limits(estimates[c], c, all);
   }
   for (size_t c = 0; c < estimates.size(); ++c) {
     auto gross = estimates[c] ? detect_gross_error(*estimates[c], cameras_, c, options_.known)
@@ -276,18 +276,25 @@ int CalibrationSteps::evaluations() const {
          coarse_search_.evaluations();
 }
 
-void CalibrationSteps::set_limits(const IntrinsicsEstimate& estimate, size_t camera,
+void CalibrationSteps::set_limits(const std::optional<IntrinsicsEstimate>& estimate, size_t camera,
                                   std::vector<ParameterCheck>& all) const {
-  const Eigen::Vector4d unseen =
-      unseen_errors(estimate, cameras_[camera].model.intrinsics().fx, options_.known);
-  const Eigen::Vector4d limits = detection_limits(estimate, options_.known);
+  const double focal_length = cameras_[camera].model.intrinsics().fx;
   const auto in_unit = [&](size_t i, const Eigen::Vector4d& values) {
     return make_intrinsic_check(i, values(static_cast<Eigen::Index>(i)), camera, cameras_.size())
         .value;
   };
+  Eigen::Vector4d unseen = Eigen::Vector4d::Zero();
+  if (!options_.known.intrinsics_stated) {
+    unseen = unmeasured_errors(estimate, focal_length, options_.known);
+  } else if (estimate) {
+    unseen = unseen_errors(*estimate, focal_length, options_.known);
+  }
   for (size_t i = 0; i < 4 && 4 * camera + i < all.size(); ++i) {
-    all[4 * camera + i].unseen_sigma = in_unit(i, unseen);
-    all[4 * camera + i].detection_limit = in_unit(i, limits);
+    ParameterCheck& check = all[4 * camera + i];
+    check.unseen_sigma = in_unit(i, unseen);
+    if (estimate) {
+      check.detection_limit = in_unit(i, detection_limits(*estimate, options_.known));
+    }
   }
 }
 

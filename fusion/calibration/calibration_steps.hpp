@@ -74,7 +74,7 @@ class CalibrationSteps {
                           bool keep_edges = false) const;
   /// Sets `unseen_sigma` and `detection_limit` of a camera's intrinsics, in the order of
   /// `check_model`.
-  void set_limits(const IntrinsicsEstimate& estimate, size_t camera,
+  void set_limits(const std::optional<IntrinsicsEstimate>& estimate, size_t camera,
                   std::vector<ParameterCheck>& all) const;
   /// Returns the two finest of the coarse levels.
   std::span<const Level> restart_levels() const;

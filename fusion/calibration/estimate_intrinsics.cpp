@@ -281,6 +281,13 @@ void add_uncertainty(const EstimateInput& input, const IntrinsicsProblem& proble
   estimate.correction += curvature.ldlt().solve(prior_gradient).tail<4>();
 }
 
+/// Variances of the intrinsics of a camera that was never calibrated; `focal_length` in px.
+Eigen::Vector4d uncalibrated_variances(double focal_length) {
+  Eigen::Vector4d sigma = kUncalibrated;
+  sigma.segment<2>(1) *= focal_length;
+  return sigma.cwiseAbs2();
+}
+
 }  // namespace
 
 std::optional<IntrinsicsEstimate> estimate_intrinsics(
@@ -359,9 +366,7 @@ Eigen::Vector4d detection_limits(const IntrinsicsEstimate& estimate, const Known
 
 Eigen::Vector4d unseen_errors(const IntrinsicsEstimate& estimate, double focal_length,
                               const KnownParameters& known) {
-  Eigen::Vector4d uncalibrated = kUncalibrated;
-  uncalibrated.segment<2>(1) *= focal_length;
-  const Eigen::Vector4d W = uncalibrated.cwiseAbs2();
+  const Eigen::Vector4d W = uncalibrated_variances(focal_length);
   const Eigen::Vector4d S = tested_covariance(estimate, known).diagonal();
   Eigen::Vector4d unseen;
   for (Eigen::Index i = 0; i < 4; ++i) {
@@ -374,6 +379,15 @@ Eigen::Vector4d unseen_errors(const IntrinsicsEstimate& estimate, double focal_l
     unseen(i) = kUncalibratedShare * (share * share * estimated + share * S(i) * hidden);
   }
   return unseen.cwiseSqrt();
+}
+
+Eigen::Vector4d unmeasured_errors(const std::optional<IntrinsicsEstimate>& estimate,
+                                  double focal_length, const KnownParameters& known) {
+  const Eigen::Vector4d W = uncalibrated_variances(focal_length);
+  if (!estimate || !estimate->converged) return W.cwiseSqrt();
+  const Eigen::Vector4d S = tested_covariance(*estimate, known).diagonal();
+  const Eigen::Vector4d share = W.cwiseQuotient(W + S);
+  return (share.cwiseProduct(estimate->correction).cwiseAbs2() + share.cwiseProduct(S)).cwiseSqrt();
 }
 
 }  // namespace infuse::calibration

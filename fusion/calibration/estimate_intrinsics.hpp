@@ -73,4 +73,11 @@ Eigen::Vector4d detection_limits(const IntrinsicsEstimate& estimate, const Known
 Eigen::Vector4d unseen_errors(const IntrinsicsEstimate& estimate, double focal_length,
                               const KnownParameters& known);
 
+/// Root mean squares of the errors of given intrinsics that nobody has measured: each a priori as
+/// of a camera that was never calibrated, e ~ N(0, w²) with w of `unseen_errors`, and an estimate
+/// x ~ N(e, s²) where there is one: E[e² | x] = (q x)² + q s², q = w² ÷ (w² + s²). In the units of
+/// `correction`; `focal_length` in px.
+Eigen::Vector4d unmeasured_errors(const std::optional<IntrinsicsEstimate>& estimate,
+                                  double focal_length, const KnownParameters& known);
+
 }  // namespace infuse::calibration

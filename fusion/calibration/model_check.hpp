@@ -18,7 +18,10 @@ struct KnownParameters {
   double focal_sigma = 0.002;          ///< of the logarithm of the focal lengths
   double principal_point_sigma = 0.5;  ///< px, across and down
   double radial_sigma = 0.005;         ///< of k1
-  Duration time_sigma{1'000'000};      ///< between image and sweep
+  /// False: nobody states to what the intrinsics are known. Then what the scenes show of them alone
+  /// bounds their errors (`unmeasured_errors`).
+  bool intrinsics_stated = true;
+  Duration time_sigma{1'000'000};  ///< between image and sweep
 
   /// What is wrong with the settings, or nothing.
   std::optional<std::string> invalid() const;
@@ -35,7 +38,8 @@ struct ParameterCheck {
   /// Change of the result (left perturbation of T_refcam_lidar, rad and m) per unit of error.
   geometry::Vector6 pose_sensitivity = geometry::Vector6::Zero();
   double known_sigma = 0;  ///< standard deviation to which it is known, in `unit`
-  /// Standard deviation beyond `known_sigma` that the scenes do not exclude (`unseen_errors`).
+  /// Standard deviation beyond `known_sigma` that the scenes do not exclude (`unseen_errors`,
+  /// `unmeasured_errors`).
   double unseen_sigma = 0;
   /// Error of it, in `unit`, that `detect_gross_error` shows in at least half of the cases (50 to
   /// 66 %), see `detection_limits`; empty: not estimated.

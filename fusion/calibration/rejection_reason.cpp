@@ -8,6 +8,9 @@
 namespace infuse::calibration {
 namespace {
 
+using geometry::Matrix6;
+using geometry::Vector6;
+
 constexpr int kMaxRestartsPerReturn = 2;  // one restart in so many must converge to the result
 constexpr double kForeignSupport = 0.75;  // images of other places have less
 
@@ -28,6 +31,22 @@ std::string check_text(const ParameterCheck& check) {
                                                         *check.unit == '\0' ? "" : " ", check.unit);
   return format_text("lidar and images would fit better with another %s (%s%.0f sigma)",
                      check.parameter.c_str(), by.c_str(), std::abs(check.significance));
+}
+
+/// What to do where only what the scenes show bounds the errors of the intrinsics, and they show
+/// too little.
+std::string unmeasured_text(const CalibrationResult& result, const CalibrateOptions& options) {
+  if (options.known.intrinsics_stated) return {};
+  Matrix6 stated = result.covariance();
+  for (const ParameterCheck& check : result.parameter_checks) {
+    const Vector6 moved = check.unseen_sigma * check.pose_sensitivity;
+    stated -= moved * moved.transpose();
+  }
+  if (!describe_imprecision(stated, options.max_rotation_sigma, options.max_translation_sigma)
+           .empty()) {
+    return {};
+  }
+  return ": the intrinsics are unknown, and the scenes do not show them well enough";
 }
 
 }  // namespace
@@ -64,7 +83,7 @@ std::string rejection_reason(const CalibrationResult& result, const Maximum& max
   if (auto imprecise = describe_imprecision(result.covariance(), options.max_rotation_sigma,
                                             options.max_translation_sigma);
       !imprecise.empty()) {
-    return imprecise;
+    return imprecise + unmeasured_text(result, options);
   }
   if (moved > kMaxTranslationSigmas * options.initial_translation_sigma) {
     return format_text(

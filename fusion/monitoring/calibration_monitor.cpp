@@ -63,6 +63,7 @@ CalibrationMonitor::CalibrationMonitor(const CameraIntrinsics& camera,
 
 void CalibrationMonitor::set_calibration(const Eigen::Isometry3d& T_camera_lidar) {
   T_camera_lidar_ = T_camera_lidar;
+  if (assignment_ != nullptr) assignment_->set_place(camera_of_rig_, T_camera_lidar);
   features::find_ring_directions(camera_, T_camera_lidar, step_, rings_);
   detector_.restart();
   led_.reset();

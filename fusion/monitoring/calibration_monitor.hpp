@@ -91,10 +91,11 @@ class CalibrationMonitor {
   void set_calibration(const Eigen::Isometry3d& T_camera_lidar);
 
   /// Compares images with the places of the rig's other cameras too; this one is `camera` there.
-  /// Outlives the monitor.
+  /// Its place is the calibration in use from now on. Outlives the monitor.
   void set_assignment(CameraAssignment& assignment, size_t camera) {
     assignment_ = &assignment;
     camera_of_rig_ = camera;
+    assignment_->set_place(camera, T_camera_lidar_);
   }
 
   /// Replaces the calibration without restarting the evidence: simulates a drift, for tests.

@@ -34,6 +34,15 @@ CameraAssignment::CameraAssignment(const std::vector<PlacedCamera>& rig,
   }
 }
 
+void CameraAssignment::set_place(size_t camera, const Eigen::Isometry3d& T_camera_lidar) {
+  rig_[camera].T_camera_lidar = T_camera_lidar;
+  for (Other& other : rig_[camera].others) {
+    // What waits was compared at the former place.
+    other.waits = false;
+    if (Other* back = find(other.camera, camera)) back->waits = false;
+  }
+}
+
 void CameraAssignment::add(size_t camera, const ComparedPlanes& planes, const SweepView& sweep,
                            double own, const MonitorPoints& points, double noise) {
   Placed& placed = rig_[camera];

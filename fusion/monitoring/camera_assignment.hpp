@@ -31,6 +31,9 @@ class CameraAssignment {
   CameraAssignment(const std::vector<PlacedCamera>& rig, const DriftDetectorOptions& options,
                    const MonitorDependence::Weights& weights, size_t max_points);
 
+  /// Moves the place of a camera: its calibration has changed.
+  void set_place(size_t camera, const Eigen::Isometry3d& T_camera_lidar);
+
   /// Compares an image of camera `camera`. `own`: nats per return at its own place, or where a
   /// search of a drift leads if that is more, of the returns `points`; `noise`:
   /// `DriftDetector::noise`.

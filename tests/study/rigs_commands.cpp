@@ -25,16 +25,17 @@ struct RigsArguments {
   int scenes = 40;
   double seconds = 40;
   bool quick = false;
-  bool cells = false, any_heading = false, details = false;
+  bool cells = false, unmeasured = false, any_heading = false, details = false;
   std::string output = "rigs.csv";
 };
 
 /// The summary of all trials goes to standard output.
 int study_rigs([[maybe_unused]] const RigsArguments& arguments) {
 #ifdef INFUSE_SIMULATOR
-  const RigRecordingOptions recorded = arguments.cells
-                                           ? RigRecordingOptions{.diverse = 40, .neighbours = 40}
-                                           : RigRecordingOptions{.diverse = 10, .neighbours = 0};
+  const RigRecordingOptions recorded =
+      arguments.cells
+          ? RigRecordingOptions{.diverse = 40, .neighbours = 40}
+          : RigRecordingOptions{.diverse = arguments.unmeasured ? 20 : 10, .neighbours = 0};
   const auto all = resume<RigTrial>(
       arguments.output, arguments.seed, arguments.count, read_rows, write_header, write_row,
       [&](uint64_t seed) -> std::vector<RigTrial> {
@@ -43,7 +44,9 @@ int study_rigs([[maybe_unused]] const RigsArguments& arguments) {
           std::cerr << "infuse-study: rig " << seed << ": " << recording.error().message() << '\n';
           return {};
         }
-        const TrialSet set = arguments.cells ? TrialSet::kCells : TrialSet::kTrust;
+        const TrialSet set = arguments.cells        ? TrialSet::kCells
+                             : arguments.unmeasured ? TrialSet::kUnmeasured
+                                                    : TrialSet::kTrust;
         return try_rig(*recording, seed, set, arguments.details ? &std::cout : nullptr);
       });
   if (!all) return 2;
@@ -186,6 +189,9 @@ void add_rigs_commands(CLI::App& app, int& status) {
   rigs_command->add_option("--count", rigs.count, "number of rigs (20)");
   rigs_command->add_flag("--cells", rigs.cells,
                          "right ones of 3 to 40 scenes, diverse and neighbouring, instead");
+  rigs_command->add_flag("--unmeasured", rigs.unmeasured,
+                         "right ones and cy + 15 px, with intrinsics that are stated and that are "
+                         "not, 20 scenes, instead");
   rigs_command->add_flag("--details", rigs.details, "print what each stated covariance is made of");
   rigs_command->add_option("-o,--output", rigs.output,
                            "rows of all trials; an interrupted study goes on from it (rigs.csv)");

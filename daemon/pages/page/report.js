@@ -76,12 +76,12 @@ function storyEvents() {
   return oneOfEach(events);
 }
 
-/** The error of a calibration along the axis with the most evidence: "0.50 ± 0.10° about y". */
+/** The error of a calibration along the axis with the most evidence: "+0.50 ± 0.10° about y". */
 function errorText(point) {
   const axis = axisNames.indexOf(point.axis);
   if (!point.offset || axis < 0 || !(point.sigma[axis] < 1e3)) return '';
   const [factor, digits, unit] = axis < 3 ? [180 / Math.PI, 2, '°'] : [100, 1, ' cm'];
-  return `${(Math.abs(point.offset[axis]) * factor).toFixed(digits)} ± ${(point.sigma[axis] * factor).toFixed(digits)}${unit} ${axis < 3 ? 'about' : 'along'} ${'xyz'[axis % 3]}`;
+  return `${point.offset[axis] < 0 ? '−' : '+'}${(Math.abs(point.offset[axis]) * factor).toFixed(digits)} ± ${(point.sigma[axis] * factor).toFixed(digits)}${unit} ${axis < 3 ? 'about' : 'along'} ${'xyz'[axis % 3]}`;
 }
 
 /** One sentence about a camera: [class, text]. */

@@ -94,6 +94,12 @@ Result<void> write_rig(const CalibrateArguments& arguments, const ScenePairs& pa
       if (camera.name != pairs.cameras[c].name) continue;
       camera.T_camera_lidar = T_camera_refcam(pairs, c) * run.result.T_refcam_lidar;
       camera.intrinsics = run.cameras[c].model.intrinsics();
+      if (run.refined && run.refined->refined) {
+        const Eigen::Vector4d variance = run.refined->cameras[c].covariance.diagonal();
+        camera.intrinsics_sigma = {std::sqrt(variance(0)),
+                                   std::sqrt(variance.segment<2>(1).maxCoeff()),
+                                   std::sqrt(variance(3))};
+      }
       if (const auto delay = refined_delay(run, pairs)) {
         camera.stamp_delay = from_seconds(*delay);
         camera.stamp_delay_sigma = from_seconds(run.delay->sigma);
@@ -109,8 +115,7 @@ Result<std::optional<ComparedExtrinsics>> compare_with_old(
     const std::optional<Eigen::Isometry3d>& T_old, const CalibrationRun& run) {
   if (!T_old || !run.result.has_pose) return std::nullopt;
   const std::vector<calibration::Scene> scenes = move_scenes(held_out, 0);
-  const ComparedExtrinsics compared =
-      compare_on(held_out, scenes, *T_old, run.result.T_refcam_lidar);
+  const ComparedExtrinsics compared = compare_on(held_out, scenes, *T_old, run.result);
   if (!arguments.overlays.empty()) {
     if (auto written = write_overlays(arguments.overlays, held_out, compared); !written) {
       return tl::unexpected(written.error());
@@ -127,12 +132,12 @@ CalibrationKind kind_of(const CalibrateArguments& arguments) {
 }
 
 calibration::CalibrateOptions calibrate_options(const CalibrateArguments& arguments,
-                                                Duration time_sigma) {
+                                                const std::vector<CameraMount>& cameras) {
   calibration::CalibrateOptions options;
   options.screen.half_width = arguments.within_deg * kDegree;
   options.seed = arguments.seed;
   options.splits = 4;
-  options.known = known_parameters(arguments, time_sigma);
+  options.known = known_parameters(arguments, cameras, default_time_sigma(cameras).sigma);
   options.max_rotation_sigma = arguments.max_sigma[0] * kDegree;
   options.max_translation_sigma = arguments.max_sigma[1];
   return options;
@@ -158,7 +163,7 @@ Result<PreparationOptions> prepare_for(const CalibrateArguments& arguments, cons
   for (const std::string& measure : arguments.measures) {
     out.measures.push_back(calibration::find_measure(measure));
   }
-  out.calibrate = calibrate_options(arguments, default_time_sigma(pairs.cameras).sigma);
+  out.calibrate = calibrate_options(arguments, pairs.cameras);
   out.kind = kind_of(arguments);
   out.draw = !arguments.report.empty() || !arguments.overlays.empty();
   return out;

@@ -57,10 +57,15 @@ void declare_arguments(CLI::App& app, CalibrateArguments& arguments) {
   declare_inputs(app, arguments);
   app.add_option("--intrinsics-sigma", arguments.intrinsics_sigma,
                  "standard deviations to which focal length, principal point and k1 are known: "
-                 "part of the stated covariance (0.2,0.5,0.005)")
+                 "part of the stated covariance (intrinsics_sigma of the rig; without that "
+                 "0.2,0.5,0.005, a careful calibration with a board)")
       ->expected(3)
       ->delimiter(',')
       ->type_name("PERCENT,PX,K1");
+  app.add_flag("--unknown-intrinsics", arguments.unknown_intrinsics,
+               "nobody has calibrated the cameras: only what the scenes show bounds the errors of "
+               "their intrinsics")
+      ->excludes("--intrinsics-sigma");
   app.add_option("--time-sigma", arguments.time_sigma_ms,
                  "standard deviation of the time between image and sweep, likewise (1; 9.6 for a "
                  "rolling shutter without stamp_delay_sigma_ms)")
@@ -93,14 +98,32 @@ void declare_arguments(CLI::App& app, CalibrateArguments& arguments) {
 }
 
 calibration::KnownParameters known_parameters(const CalibrateArguments& arguments,
+                                              std::span<const CameraMount> cameras,
                                               Duration time_sigma) {
   if (const auto& ms = arguments.time_sigma_ms) {
     time_sigma = from_seconds(1e-3 * std::clamp(*ms, -1.0, 1e3));
   }
-  return {.focal_sigma = arguments.intrinsics_sigma[0] / 100,
-          .principal_point_sigma = arguments.intrinsics_sigma[1],
-          .radial_sigma = arguments.intrinsics_sigma[2],
-          .time_sigma = time_sigma};
+  calibration::KnownParameters known{.intrinsics_stated = !arguments.unknown_intrinsics,
+                                     .time_sigma = time_sigma};
+  const auto state = [&](const IntrinsicsSigma& sigma) {
+    known.focal_sigma = sigma.focal_length;
+    known.principal_point_sigma = sigma.principal_point;
+    known.radial_sigma = sigma.radial;
+  };
+  if (const std::vector<double>& given = arguments.intrinsics_sigma; !given.empty()) {
+    state({given[0] / 100, given[1], given[2]});
+    return known;
+  }
+  const IntrinsicsSigma usual{known.focal_sigma, known.principal_point_sigma, known.radial_sigma};
+  IntrinsicsSigma largest;
+  for (const CameraMount& camera : cameras) {
+    const IntrinsicsSigma one = camera.intrinsics_sigma.value_or(usual);
+    largest = {std::max(largest.focal_length, one.focal_length),
+               std::max(largest.principal_point, one.principal_point),
+               std::max(largest.radial, one.radial)};
+  }
+  if (!cameras.empty()) state(largest);
+  return known;
 }
 
 std::optional<std::string> find_usage_error(const CalibrateArguments& arguments) {

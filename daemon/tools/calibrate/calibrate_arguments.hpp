@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,7 +22,8 @@ struct CalibrateArguments {
   std::string initial_pose;
   std::vector<double> perturb{0, 0};  // deg, m
   double within_deg = 3.5;
-  std::vector<double> intrinsics_sigma{0.2, 0.5, 0.005};  // %, px, of k1
+  std::vector<double> intrinsics_sigma;  // %, px, of k1; empty: what the rig states
+  bool unknown_intrinsics = false;
   std::optional<double> time_sigma_ms;
   std::vector<double> max_sigma{0.2, 0.05};  // deg, m
   uint64_t seed = 1;
@@ -39,8 +41,11 @@ void declare_arguments(CLI::App& app, CalibrateArguments& arguments);
 /// What is wrong with the arguments, or nothing.
 std::optional<std::string> find_usage_error(const CalibrateArguments& arguments);
 
-/// To what intrinsics and times are known. `time_sigma`: where the arguments state none.
+/// To what intrinsics and times are known: as the arguments state; else the intrinsics as the rig
+/// states of the `cameras`, the least known of each, and the time to `time_sigma`. A camera of
+/// which it states nothing has the defaults of `KnownParameters`.
 calibration::KnownParameters known_parameters(const CalibrateArguments& arguments,
+                                              std::span<const CameraMount> cameras = {},
                                               Duration time_sigma = {});
 
 }  // namespace infuse::daemon

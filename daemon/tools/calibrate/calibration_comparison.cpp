@@ -3,10 +3,12 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/drawing/calibration_images.hpp"
+#include "daemon/protocol/number_json.hpp"
 #include "daemon/tools/calibrate/calibration_run.hpp"
 #include "drivers/camera/png_encoder.hpp"
 #include "drivers/measurement/angles.hpp"
 #include "drivers/text/text_file.hpp"
+#include "fusion/calibration/distributions.hpp"
 #include "fusion/geometry/extrinsic_error.hpp"
 
 namespace infuse::daemon {
@@ -18,6 +20,30 @@ Json fit_json(const calibration::SceneFit& fit) {
   return {{"edge_gradient", rounded(fit.edge_gradient)}, {"dependence", rounded(fit.dependence)}};
 }
 
+/// The difference axis by axis, and whether the new one's covariance explains it.
+std::string difference_text(const ComparedExtrinsics& compared) {
+  const auto squared = compared.mahalanobis_squared();
+  if (!squared) return {};
+  constexpr const char* kAxisNames[] = {"rx", "ry", "rz", "tx", "ty", "tz"};
+  std::string text = "  new against old:";
+  for (Eigen::Index k = 0; k < 6; ++k) {
+    const double unit = k < 3 ? 1 / kDegree : 100;
+    text +=
+        fmt::format("{}{} {:+.2f} ± {:.2f}{}", k % 3 == 0 ? " " : ", ", kAxisNames[k],
+                    unit * compared.difference()(k), unit * std::sqrt((*compared.covariance)(k, k)),
+                    k % 3 != 2 ? ""
+                    : k < 3    ? " deg;"
+                               : " cm");
+  }
+  const double chance = calibration::chi_squared_exceeded(*squared, 6);
+  return text + fmt::format(
+                    "\n  a difference as large comes by the new one's own error in {} (M² = "
+                    "{:.1f})\n",
+                    chance < 1e-4 ? "less than 1 of 10 000"
+                                  : fmt::format("{:.2g} % of drives", 100 * chance),
+                    *squared);
+}
+
 }  // namespace
 
 const char* ComparedExtrinsics::better() const {
@@ -25,6 +51,11 @@ const char* ComparedExtrinsics::better() const {
     return "neither";
   }
   return comparison.better > 0 ? "new" : "old";
+}
+
+std::optional<double> ComparedExtrinsics::mahalanobis_squared() const {
+  if (!covariance) return std::nullopt;
+  return difference().dot(covariance->ldlt().solve(difference()));
 }
 
 ScenePairs hold_out(ScenePairs& pairs) {
@@ -42,19 +73,32 @@ ScenePairs hold_out(ScenePairs& pairs) {
 
 ComparedExtrinsics compare_on(const ScenePairs& held_out,
                               std::span<const calibration::Scene> scenes,
-                              const Eigen::Isometry3d& T_old, const Eigen::Isometry3d& T_new) {
-  return {.T_old = T_old,
-          .T_new = T_new,
-          .comparison =
-              calibration::compare_extrinsics(scenes, rig_cameras(held_out), T_old, T_new, {})};
+                              const Eigen::Isometry3d& T_old,
+                              const calibration::CalibrationResult& result) {
+  ComparedExtrinsics compared{.T_old = T_old,
+                              .T_new = result.T_refcam_lidar,
+                              .comparison = calibration::compare_extrinsics(
+                                  scenes, rig_cameras(held_out), T_old, result.T_refcam_lidar, {})};
+  if (result.uncertainty.usable()) compared.covariance = result.covariance();
+  return compared;
 }
 
 Json to_json(const ComparedExtrinsics& compared) {
   const calibration::ExtrinsicComparison& comparison = compared.comparison;
-  return {{"better", compared.better()},        {"reason", comparison.reason},
-          {"p_value", comparison.p_value},      {"bias_share", rounded(comparison.bias_share)},
-          {"scenes", comparison.scenes.size()}, {"independent_scenes", comparison.independent},
-          {"old", fit_json(comparison.mean_a)}, {"new", fit_json(comparison.mean_b)}};
+  Json json{{"better", compared.better()},
+            {"reason", comparison.reason},
+            {"p_value", comparison.p_value},
+            {"bias_share", rounded(comparison.bias_share)},
+            {"scenes", comparison.scenes.size()},
+            {"independent_scenes", comparison.independent},
+            {"old", fit_json(comparison.mean_a)},
+            {"new", fit_json(comparison.mean_b)},
+            {"difference", by_row(compared.difference())}};
+  if (const auto squared = compared.mahalanobis_squared()) {
+    json["mahalanobis_squared"] = rounded(*squared);
+    json["chance"] = calibration::chi_squared_exceeded(*squared, 6);
+  }
+  return json;
 }
 
 std::string to_text(const ComparedExtrinsics& compared) {
@@ -70,6 +114,7 @@ std::string to_text(const ComparedExtrinsics& compared) {
       100 *
           (compared.T_new.inverse().translation() - compared.T_old.inverse().translation()).norm(),
       a.edge_gradient, b.edge_gradient, a.dependence, b.dependence);
+  text += difference_text(compared);
   if (!comparison.usable()) return text + "  no verdict: " + comparison.reason + "\n";
   if (comparison.bias_share == 1) {
     return text + "  neither is better: half a pixel of bias could make up the difference\n";

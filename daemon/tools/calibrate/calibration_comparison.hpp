@@ -1,12 +1,15 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 
 #include "daemon/playback/calibration_scenes.hpp"
 #include "daemon/protocol/json.hpp"
+#include "fusion/calibration/calibrate.hpp"
 #include "fusion/calibration/compare_extrinsics.hpp"
+#include "fusion/geometry/rigid_motion.hpp"
 
 namespace infuse::daemon {
 
@@ -15,6 +18,13 @@ struct ComparedExtrinsics {
   Eigen::Isometry3d T_old = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d T_new = Eigen::Isometry3d::Identity();
   calibration::ExtrinsicComparison comparison;  ///< a: old, b: new
+  /// Stated covariance of the new one; empty where it is unknown.
+  std::optional<geometry::Matrix6> covariance = std::nullopt;
+
+  /// T_new = exp(difference) T_old.
+  geometry::Vector6 difference() const { return geometry::log(T_new * T_old.inverse()); }
+  /// Squared Mahalanobis distance of the old one from the new one, by the new one's `covariance`.
+  std::optional<double> mahalanobis_squared() const;
 
   /// "new", "old", or "neither" where a difference is as likely by chance.
   const char* better() const;
@@ -29,7 +39,8 @@ ScenePairs hold_out(ScenePairs& pairs);
 /// Compares on the scenes of the pairs that were held out.
 ComparedExtrinsics compare_on(const ScenePairs& held_out,
                               std::span<const calibration::Scene> scenes,
-                              const Eigen::Isometry3d& T_old, const Eigen::Isometry3d& T_new);
+                              const Eigen::Isometry3d& T_old,
+                              const calibration::CalibrationResult& result);
 
 Json to_json(const ComparedExtrinsics& compared);
 std::string to_text(const ComparedExtrinsics& compared);

@@ -86,13 +86,17 @@ std::string undetected_errors_text(const CalibrationRun& run) {
   }
   if (!text.empty()) {
     const calibration::KnownParameters& known = run.options.known;
+    const std::string assumed =
+        known.intrinsics_stated
+            ? fmt::format(
+                  "assume that the focal length is known to {:.2g} %, the principal point "
+                  "to {:.2g} px, k1 to {:.2g}",
+                  100 * known.focal_sigma, known.principal_point_sigma, known.radial_sigma)
+            : "contain them: the rig does not state to what the intrinsics are known";
     text =
-        fmt::format(
-            "  errors of the intrinsics that the scenes may not reveal, and the shift they cause\n"
-            "  (the standard deviations assume that the focal length is known to {:.2g} %, the "
-            "principal point to {:.2g} px, k1 to {:.2g}):\n",
-            100 * known.focal_sigma, known.principal_point_sigma, known.radial_sigma) +
-        text;
+        "  errors of the intrinsics that the scenes may not reveal, and the shift they cause\n"
+        "  (the standard deviations " +
+        assumed + "):\n" + text;
   }
   const auto& estimates = run.result.intrinsics;
   if (!std::all_of(estimates.begin(), estimates.end(), [](const auto& one) { return one; })) {

@@ -87,7 +87,8 @@ int run(CalibrateIntrinsicsArguments& arguments) {
   if (!result.usable()) return kFailure;
   if (arguments.output.empty()) return kDone;
   const std::string& name = arguments.camera.empty() ? images->camera : arguments.camera;
-  const auto added = write_intrinsics(arguments.output, images->rig, name, result.camera);
+  const auto added =
+      write_intrinsics(arguments.output, images->rig, name, result.camera, stated_sigma(result));
   if (!added) return print_error(kCalibrateIntrinsicsProgram, added.error(), kFailure);
   if (*added) {
     std::cerr << kCalibrateIntrinsicsProgram << ": note: the camera is new in " << arguments.output

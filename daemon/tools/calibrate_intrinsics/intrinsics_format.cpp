@@ -115,6 +115,11 @@ std::string describe_coverage(const IntrinsicsResult& result) {
   return text;
 }
 
+IntrinsicsSigma stated_sigma(const IntrinsicsResult& result) {
+  return {std::max(result.sigma(0) / result.camera.fx, result.sigma(1) / result.camera.fy),
+          std::max(result.sigma(2), result.sigma(3)), result.sigma(kFirstRadial)};
+}
+
 std::string to_text(const BoardImages& images, const IntrinsicsResult& result) {
   std::string text = views_text(images, result);
   if (result.covariance.size() > 0) {
@@ -131,13 +136,11 @@ std::string to_text(const BoardImages& images, const IntrinsicsResult& result) {
       text += missing + "\n";
   }
   if (!result.usable()) return text + "not usable: " + result.reason + "\n";
-  return text +
-         fmt::format(
-             "usable, from {} views; for infuse calibrate: --intrinsics-sigma "
-             "{:.2g},{:.2g},{:.2g}\n",
-             result.used,
-             100 * std::max(result.sigma(0) / result.camera.fx, result.sigma(1) / result.camera.fy),
-             std::max(result.sigma(2), result.sigma(3)), result.sigma(kFirstRadial));
+  const IntrinsicsSigma sigma = stated_sigma(result);
+  return text + fmt::format(
+                    "usable, from {} views; for infuse calibrate: --intrinsics-sigma "
+                    "{:.2g},{:.2g},{:.2g}\n",
+                    result.used, 100 * sigma.focal_length, sigma.principal_point, sigma.radial);
 }
 
 }  // namespace infuse::daemon

@@ -11,6 +11,9 @@ namespace infuse::daemon {
 /// The result as `infuse calibrate-intrinsics --json` prints it; the views are those of `images`.
 Json to_json(const BoardImages& images, const target::IntrinsicsResult& result);
 
+/// Standard deviations of a result as a rig states them.
+IntrinsicsSigma stated_sigma(const target::IntrinsicsResult& result);
+
 /// The result for people.
 std::string to_text(const BoardImages& images, const target::IntrinsicsResult& result);
 

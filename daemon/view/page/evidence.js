@@ -3,12 +3,12 @@
 
 const axisNames = ['rotation about x', 'rotation about y', 'rotation about z', 'translation along x', 'translation along y', 'translation along z'];
 
-/** "0.50 ± 0.10° about y": the error of a calibration along an axis of a report. */
+/** "+0.50 ± 0.10° about y": the error of a calibration along an axis of a report. */
 function offsetText(report, axis = axisNames.indexOf(report.evidence?.axis)) {
   if (!report.offset || axis < 0 || !(report.offset_sigma[axis] < 1e3)) return '';
   const [factor, digits, unit] = axis < 3 ? [180 / Math.PI, 2, '°'] : [100, 1, ' cm'];
-  const [value, sigma] = [Math.abs(report.offset[axis]) * factor, report.offset_sigma[axis] * factor];
-  return `${report.offset_at_least ? 'at least ' : ''}${value.toFixed(digits)} ± ${sigma.toFixed(digits)}${unit} ${axis < 3 ? 'about' : 'along'} ${'xyz'[axis % 3]}`;
+  const [value, sigma] = [report.offset[axis] * factor, report.offset_sigma[axis] * factor];
+  return `${report.offset_at_least ? 'at least ' : ''}${value < 0 ? '−' : '+'}${Math.abs(value).toFixed(digits)} ± ${sigma.toFixed(digits)}${unit} ${axis < 3 ? 'about' : 'along'} ${'xyz'[axis % 3]}`;
 }
 
 /** ", since …": when the drift that is being repaired was confirmed. */

@@ -6,8 +6,8 @@ const profileAxes = ['about x, pitch', 'about y, yaw', 'about z, roll', 'x, righ
 const profileCurves = [['saved', 'saved', 'var(--dim)', ''], ['use', 'in use', 'var(--odom)', ''],
   ['estimate', 're-estimated', 'var(--warn)', '7 5']];
 
-/** One axis: curves [{nats, colour, dash, name}] over −halfWidth … halfWidth, with a dot at each maximum; `estimate`:
- *  {at, sigma} of where the maximum lies over the last images, or undefined. */
+/** One axis: curves [{nats, colour, dash, name}] over errors of −halfWidth … halfWidth, with a dot at each maximum; `estimate`:
+ *  {at, sigma} of the error by the last images, or undefined. */
 function profileChart({title, unit, digits, halfWidth, curves, low, high, estimate, width, height}) {
   const left = 8, right = width - 8, top = 36, bottom = height - 18;
   const x = v => left + (right - left) * (v + halfWidth) / (2 * halfWidth);
@@ -46,10 +46,11 @@ function profileElements(frame, report, size) {
   const scale = axis => axis < 3 ? 180 / Math.PI : 100;
   const charts = known.length === 0 && !report?.offset ? [] : profileAxes.map((title, axis) => profileChart({title, ...size, unit: axis < 3 ? '°' : 'cm', digits: axis < 3 ? 2 : 1,
     halfWidth: scale(axis) * (axis < 3 ? rotation ?? 0.035 : translation ?? 0.2), low, high,
-    curves: known.map(([name, , colour, dash]) => ({nats: profiles[name][axis], colour, dash})),
+    // A calibration that is wrong by e fits best when it is moved by −e.
+    curves: known.map(([name, , colour, dash]) => ({nats: [...profiles[name][axis]].reverse(), colour, dash})),
     estimate: report?.offset && report.offset_sigma[axis] < 1e3
-      ? {at: -report.offset[axis] * scale(axis), sigma: report.offset_sigma[axis] * scale(axis)} : undefined}));
+      ? {at: report.offset[axis] * scale(axis), sigma: report.offset_sigma[axis] * scale(axis)} : undefined}));
   const note = known.length ? [] : [element('p', {class: 'dim'}, reason ? `This image gives no profile: ${reason}.` : 'The profile of the latest image comes within two seconds.')];
-  return [element('p', {class: 'profile-title'}, 'Dependence along the camera\'s axes (°, cm). Line: calibration in use; band: maximum ± 2σ; dot: latest image.'),
+  return [element('p', {class: 'profile-title'}, 'Dependence by the error that a calibration may have about and along the camera\'s axes (°, cm). Line: it is right; band: estimated error ± 2σ; dot: latest image.'),
   ...(known.length > 2 ? [legend(known.map(([, text, colour]) => [colour, text]))] : []), ...note, element('div', {class: 'profiles'}, ...charts)];
 }

@@ -55,6 +55,20 @@ TEST(Status, ADriftIsShownWithTheLevelOfHealth) {
                         "rotation about y, since 2026-11-21T03:12:55Z (drive on)\n"));
 }
 
+TEST(Status, ACalibrationWithoutImagesIsNotMonitored) {
+  Json health = health_report("ERROR");
+  health["calibrations"][0]["level"] = "OK";
+  EXPECT_THAT(daemon_status({health}).text, HasSubstr("  OK    calibration of front\n"));
+  for (const char* id : {"silent", "unavailable"}) {
+    health["streams"][0]["findings"] = {drift_finding(id, "ERROR")};
+    EXPECT_THAT(daemon_status({health}).text,
+                HasSubstr("  -     calibration of front: not monitored, no images\n"));
+  }
+  health["calibrations"][0]["level"] = "ERROR";
+  EXPECT_THAT(daemon_status({health}).text,
+              HasSubstr("  ERROR calibration of front: not monitored, no images\n"));
+}
+
 TEST(Status, ARunningRecordingIsShown) {
   const Json record = {{"class", "RECORD"}, {"state", "recording"}, {"name", "evening"}};
   const DaemonStatus status = daemon_status({record, health_report("OK")});

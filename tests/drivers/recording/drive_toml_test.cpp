@@ -98,6 +98,12 @@ void expect_equal(const DriveDescription& a, const DriveDescription& b) {
     EXPECT_EQ(x.T_camera_lidar.matrix(), y.T_camera_lidar.matrix());
     EXPECT_EQ(x.stamp_delay, y.stamp_delay);
     EXPECT_EQ(x.readout, y.readout);
+    ASSERT_EQ(x.intrinsics_sigma.has_value(), y.intrinsics_sigma.has_value());
+    if (x.intrinsics_sigma) {
+      EXPECT_DOUBLE_EQ(x.intrinsics_sigma->focal_length, y.intrinsics_sigma->focal_length);
+      EXPECT_EQ(x.intrinsics_sigma->principal_point, y.intrinsics_sigma->principal_point);
+      EXPECT_EQ(x.intrinsics_sigma->radial, y.intrinsics_sigma->radial);
+    }
     EXPECT_EQ(a.cameras[i].images, b.cameras[i].images);
     EXPECT_EQ(a.cameras[i].mosaic, b.cameras[i].mosaic);
     EXPECT_EQ(a.cameras[i].grey, b.cameras[i].grey);
@@ -131,6 +137,8 @@ TEST(DriveToml, FormatAndParseRoundTripExactly) {
   drive->name = "quotes \" and \\ and \n lines \x7F";
   drive->times_trusted = false;
   drive->rig.cameras[0].intrinsics.fx = 1.0 / 3;
+  EXPECT_FALSE(drive->rig.cameras[0].intrinsics_sigma);
+  drive->rig.cameras[0].intrinsics_sigma = {0.002, 0.6, 0.0051};
   drive->rig.cameras[0].stamp_delay = Duration(-1'234'567);
   drive->imu_delay = Duration(57'123'456);
   drive->imu_delay_sigma = Duration(3'000'000);

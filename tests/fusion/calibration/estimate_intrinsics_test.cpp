@@ -179,5 +179,29 @@ TEST(UnseenErrors, VanishWhereTheScenesDetermineTheIntrinsics) {
   EXPECT_LT(found(3), 0.005);
 }
 
+TEST(UnmeasuredErrors, AreThoseOfDrawnCamerasWithThisEstimate) {
+  IntrinsicsEstimate estimate{.correction = {0.01, -6, 25, 0.05}};
+  estimate.covariance = Eigen::Vector4d(0.01, 8, 30, 0.03).cwiseAbs2().asDiagonal();
+  const Eigen::Vector4d found = unmeasured_errors(estimate, 1000, {});
+  const Eigen::Vector4d uncalibrated(0.02, 20, 20, 0.1);
+  const Eigen::Vector4d noise(std::hypot(0.01, 0.002, 0.005), std::hypot(8, 0.5, 1.5),
+                              std::hypot(30, 0.5, 1.5), std::hypot(0.03, 0.005, 0.005));
+  EXPECT_EQ(unmeasured_errors(std::nullopt, 1000, {}), uncalibrated);
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    double sum = 0, alike = 0;
+    while (alike < 10'000) {
+      const double error = uncalibrated(i) * normal(random);
+      const double estimated = error + noise(i) * normal(random);
+      if (std::abs(estimated - estimate.correction(i)) > 0.1 * noise(i)) continue;
+      sum += error * error;
+      ++alike;
+    }
+    const double expected = std::sqrt(sum / alike);
+    EXPECT_NEAR(found(i), expected, 0.03 * expected) << i;
+  }
+}
+
 }  // namespace
 }  // namespace infuse::calibration

@@ -28,10 +28,19 @@ class RealRig {
   const std::string& name(size_t camera) const { return placed_[camera].name; }
 
   /// Names of the cameras whose images the cameras seem to deliver, where camera k delivers the
-  /// shot `images[k]`.
-  std::vector<std::string> images_of(const std::vector<size_t>& images) const {
+  /// shot `images[k]`. The cameras are configured at the places of `configured`, if given, and then
+  /// calibrated to their own.
+  std::vector<std::string> images_of(const std::vector<size_t>& images,
+                                     const std::vector<size_t>& configured = {}) const {
     const DriftDetectorOptions soon{.false_alarm_hours = 1e-3};  // 5 nats
-    CameraAssignment assignment(placed_, soon, {}, kMaxPoints);
+    std::vector<PlacedCamera> rig = placed_;
+    for (size_t k = 0; k < configured.size(); ++k) {
+      rig[k].T_camera_lidar = placed_[configured[k]].T_camera_lidar;
+    }
+    CameraAssignment assignment(rig, soon, {}, kMaxPoints);
+    for (size_t k = 0; k < configured.size(); ++k) {
+      assignment.set_place(k, placed_[k].T_camera_lidar);
+    }
     const SweepView sweep = make_sweep_view(instant_.sweep);
     std::vector<MonitorImage> seen(size());
     std::vector<MonitorPoints> points(size());
@@ -79,6 +88,8 @@ TEST(RealCameraAssignment, EveryPairOfSixThatIsSwappedIsNamedAndNoOther) {
       expected[a] = rig.name(b);
       expected[b] = rig.name(a);
       EXPECT_EQ(rig.images_of(images), expected) << rig.name(a) << " " << rig.name(b);
+      // Places that were exchanged in the configuration, and calibrated since.
+      EXPECT_EQ(rig.images_of(right, images), std::vector<std::string>(rig.size()));
     }
   }
   std::vector<size_t> ring = right;  // three in a ring

@@ -33,6 +33,7 @@ struct Kind {
   size_t scenes;
   void (*change)(CameraIntrinsics& camera, std::vector<RigScene>& scenes) = nullptr;
   bool neighbours = false;
+  bool stated = true;  // to what the intrinsics are known
 };
 
 /// Draws of the standard normal distribution (Box and Muller); the standard's differ between
@@ -60,6 +61,7 @@ void shift_time(std::vector<RigScene>& scenes, double seconds) {
 void raise_centre(CameraIntrinsics& camera, std::vector<RigScene>&) {
   camera.cy += 0.024 * camera.width;
 }
+void raise_centre_by_pixels(CameraIntrinsics& camera, std::vector<RigScene>&) { camera.cy += 15; }
 void shorten_focal(CameraIntrinsics& camera, std::vector<RigScene>&) {
   camera.fx *= 0.97;
   camera.fy *= 0.97;
@@ -93,6 +95,15 @@ constexpr Kind kFaults[] = {
     {"cy + 2.4 % of the width", 10, raise_centre}, {"f - 3 %", 10, shorten_focal},
     {"distortion left out", 10, drop_distortion},  {"images of other places", 10, shuffle_images},
     {"images 0.1 s late", 10, delay_images},       {"one standing place", 10, stand_still},
+};
+constexpr Kind kUnmeasured[] = {
+    {"right", 20},
+    {"cy + 15 px", 20, raise_centre_by_pixels},
+    {.name = "right; intrinsics not stated", .scenes = 20, .stated = false},
+    {.name = "cy + 15 px; intrinsics not stated",
+     .scenes = 20,
+     .change = raise_centre_by_pixels,
+     .stated = false},
 };
 constexpr Kind kCells[] = {
     {"diverse", 3},
@@ -211,9 +222,11 @@ RigTrial try_kind(const RigRecording& recording, const Kind& kind, uint64_t seed
   const Eigen::Isometry3d initial = geometry::exp(off) * recording.T_camera_lidar;
   const std::vector<RigCamera> cameras{{geometry::CameraModel(stated)}};
   const std::vector<Scene> scenes = make_scenes(recorded, cameras[0], initial);
+  calibration::CalibrateOptions options{.seed = seed};
+  options.known.intrinsics_stated = kind.stated;
   const std::clock_t began = std::clock();
   const calibration::CalibrationResult result =
-      calibration::calibrate(scenes, cameras, initial, {.seed = seed});
+      calibration::calibrate(scenes, cameras, initial, options);
   const double cpu_s = static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
   RigTrial trial = judge(result, recording.T_camera_lidar);
   trial.seed = seed;
@@ -296,6 +309,10 @@ std::vector<RigTrial> try_rig(const RigRecording& recording, uint64_t seed, Tria
       const size_t sets = std::clamp<size_t>(all / kind.scenes, 1, kMaxSets);
       for (size_t k = 0; k < sets; ++k)
         trials.push_back(try_kind(recording, kind, seed, details, {k, sets}));
+    }
+  } else if (set == TrialSet::kUnmeasured) {
+    for (const Kind& kind : kUnmeasured) {
+      trials.push_back(try_kind(recording, kind, seed, details));
     }
   } else {
     trials.push_back(try_kind(recording, kRight, seed, details));

@@ -55,8 +55,9 @@ std::vector<calibration::Scene> make_scenes(const std::vector<RigScene>& recorde
 
 /// Which trials are made of a rig.
 enum class TrialSet {
-  kTrust,  ///< one right, one with a fault, by the rig's seed
-  kCells,  ///< right ones of 3 to 40 scenes, diverse and neighbouring
+  kTrust,       ///< one right, one with a fault, by the rig's seed
+  kUnmeasured,  ///< right, and cy 15 px off; each with stated intrinsics, and with others
+  kCells,       ///< right ones of 3 to 40 scenes, diverse and neighbouring
 };
 
 /// Calibrates a recording from an initial pose that is up to 2 degrees and 8 cm off about and along

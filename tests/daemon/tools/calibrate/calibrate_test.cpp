@@ -3,11 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "drivers/import/kitti_import.hpp"
 #include "drivers/import/opencalib_import.hpp"
+#include "drivers/measurement/angles.hpp"
 #include "drivers/recording/drive_toml.hpp"
 #include "tests/daemon/pipeline/run_replay.hpp"
 #include "tests/daemon/run_program.hpp"
@@ -65,6 +67,23 @@ TEST(CalibrateCommand, RealKittiPairsConvergeAndWriteARig) {
   EXPECT_THAT(html, HasSubstr("Usable: "));
   EXPECT_LT(html.find("standard deviation"), html.find("<svg"));
   EXPECT_THAT(html, HasSubstr("data:image/png;base64,"));
+}
+
+// 30 px are 2.4°, which these pairs do not show.
+TEST(CalibrateCommand, RealKittiPairsAreNotUsableWithUnknownIntrinsics) {
+  INFUSE_REAL_DATA_OR_SKIP(kitti, "calibration/kitti");
+  TemporaryFolder folder;
+  const auto drive = folder / "drive";
+  ASSERT_TRUE(importers::import_kitti(kitti, drive));
+  const ProgramResult ran =
+      calibrate(drive.string() + " --unknown-intrinsics --perturb 1,0.05 --seed 2 --json");
+  EXPECT_EQ(ran.code, 1);
+  const json result = json::parse(ran.output, nullptr, false);
+  ASSERT_TRUE(result.is_object()) << ran.output;
+  EXPECT_THAT(result["reason"].get<std::string>(), HasSubstr("the intrinsics are unknown"));
+  EXPECT_LT(result["error"]["rotation_deg"].get<double>(), 0.2);
+  const double pitch_variance = result["covariance"][0][0].get<double>();
+  EXPECT_GT(std::sqrt(pitch_variance), 0.2 * kDegree);
 }
 
 TEST(CalibrateCommand, RealKittiTwoScansAreNotUsable) {
