@@ -4,8 +4,9 @@
 #include <cstdlib>
 #include <type_traits>
 
-/// Only in the copy of the sources that `./dev prove sensitivity` compiles: each constant is read through tuned(), which
-/// multiplies the one that the environment names. INFUSE_TUNED is "NUMBER FACTOR".
+/// Only in the copy of the sources that `./dev prove sensitivity` compiles: each constant is read
+/// through tuned(), which multiplies the one that the environment names. INFUSE_TUNED is "NUMBER
+/// FACTOR".
 namespace infuse {
 
 struct Tuning {
@@ -26,7 +27,8 @@ inline const Tuning& tuning() {
   return found;
 }
 
-/// A whole number stays one, and differs from its value: 1 is halved to 0 only where that is another count than 1.
+/// A whole number stays one, and differs from its value: 1 is halved to 0 only where that is
+/// another count than 1.
 template <class T>
 T tuned(long number, T value) {
   const Tuning& now = tuning();

@@ -115,7 +115,10 @@ Result<std::optional<ComparedExtrinsics>> compare_with_old(
     const std::optional<Eigen::Isometry3d>& T_old, const CalibrationRun& run) {
   if (!T_old || !run.result.has_pose) return std::nullopt;
   const std::vector<calibration::Scene> scenes = move_scenes(held_out, 0);
-  const ComparedExtrinsics compared = compare_on(held_out, scenes, *T_old, run.result);
+  std::optional<geometry::Matrix6> covariance;
+  if (run.result.uncertainty.usable()) covariance = run.result.covariance();
+  const ComparedExtrinsics compared =
+      compare_on(held_out, scenes, *T_old, run.result.T_refcam_lidar, covariance);
   if (!arguments.overlays.empty()) {
     if (auto written = write_overlays(arguments.overlays, held_out, compared); !written) {
       return tl::unexpected(written.error());

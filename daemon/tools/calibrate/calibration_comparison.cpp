@@ -73,14 +73,13 @@ ScenePairs hold_out(ScenePairs& pairs) {
 
 ComparedExtrinsics compare_on(const ScenePairs& held_out,
                               std::span<const calibration::Scene> scenes,
-                              const Eigen::Isometry3d& T_old,
-                              const calibration::CalibrationResult& result) {
-  ComparedExtrinsics compared{.T_old = T_old,
-                              .T_new = result.T_refcam_lidar,
-                              .comparison = calibration::compare_extrinsics(
-                                  scenes, rig_cameras(held_out), T_old, result.T_refcam_lidar, {})};
-  if (result.uncertainty.usable()) compared.covariance = result.covariance();
-  return compared;
+                              const Eigen::Isometry3d& T_old, const Eigen::Isometry3d& T_new,
+                              const std::optional<geometry::Matrix6>& covariance) {
+  return {.T_old = T_old,
+          .T_new = T_new,
+          .comparison =
+              calibration::compare_extrinsics(scenes, rig_cameras(held_out), T_old, T_new, {}),
+          .covariance = covariance};
 }
 
 Json to_json(const ComparedExtrinsics& compared) {

@@ -7,7 +7,6 @@
 
 #include "daemon/playback/calibration_scenes.hpp"
 #include "daemon/protocol/json.hpp"
-#include "fusion/calibration/calibrate.hpp"
 #include "fusion/calibration/compare_extrinsics.hpp"
 #include "fusion/geometry/rigid_motion.hpp"
 
@@ -36,11 +35,11 @@ inline bool is_held_out(size_t of_camera) { return of_camera % 2 == 1; }
 /// Takes every second image of each camera out of `pairs`, for the comparison.
 ScenePairs hold_out(ScenePairs& pairs);
 
-/// Compares on the scenes of the pairs that were held out.
+/// Compares on the scenes of the pairs that were held out. `covariance`: of T_new, if it is known.
 ComparedExtrinsics compare_on(const ScenePairs& held_out,
                               std::span<const calibration::Scene> scenes,
-                              const Eigen::Isometry3d& T_old,
-                              const calibration::CalibrationResult& result);
+                              const Eigen::Isometry3d& T_old, const Eigen::Isometry3d& T_new,
+                              const std::optional<geometry::Matrix6>& covariance = std::nullopt);
 
 Json to_json(const ComparedExtrinsics& compared);
 std::string to_text(const ComparedExtrinsics& compared);

@@ -92,7 +92,7 @@ std::string undetected_errors_text(const CalibrationRun& run) {
                   "assume that the focal length is known to {:.2g} %, the principal point "
                   "to {:.2g} px, k1 to {:.2g}",
                   100 * known.focal_sigma, known.principal_point_sigma, known.radial_sigma)
-            : "contain them: the rig does not state to what the intrinsics are known";
+            : "contain them: the intrinsics are unknown";
     text =
         "  errors of the intrinsics that the scenes may not reveal, and the shift they cause\n"
         "  (the standard deviations " +
