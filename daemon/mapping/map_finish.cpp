@@ -62,17 +62,14 @@ mapping::PoseGraph<3> odometry_graph(const std::vector<mapping::Keyframe>& keyfr
   return graph;
 }
 
-/// Keyframes of which only those before a drive, its own and those of the drives that are linked
-/// with it have their clouds.
-std::vector<mapping::Keyframe> with_clouds_of(const std::vector<bool>& linked,
-                                              const std::vector<size_t>& first_keyframes,
-                                              size_t drive,
-                                              std::vector<mapping::Keyframe> keyframes) {
-  for (size_t d = drive; d < first_keyframes.size(); ++d) {
-    const size_t end = d + 1 < first_keyframes.size() ? first_keyframes[d + 1] : keyframes.size();
-    for (size_t k = first_keyframes[d]; k < end; ++k) {
-      keyframes[k].has_cloud = keyframes[k].has_cloud && linked[d];
-    }
+/// Keyframes of which only those before a drive and those of its body have their clouds.
+std::vector<mapping::Keyframe> with_clouds_of_body(const std::vector<size_t>& body,
+                                                   const std::vector<size_t>& first_keyframes,
+                                                   size_t drive,
+                                                   std::vector<mapping::Keyframe> keyframes) {
+  for (size_t k = first_keyframes[drive]; k < keyframes.size(); ++k) {
+    const bool of_body = body[mapping::drive_of(first_keyframes, k)] == body[drive];
+    keyframes[k].has_cloud = keyframes[k].has_cloud && of_body;
   }
   return keyframes;
 }
@@ -90,8 +87,8 @@ Result<std::vector<mapping::DriveJoin>> join_drives(
   for (size_t d = 1; d < first.size(); ++d) {
     auto join = mapping::join_by_links(keyframes, first, links, d);
     if (!join) {
-      const auto body = with_clouds_of(mapping::find_linked_drives(keyframes, first, links, d),
-                                       first, d, keyframes);
+      const auto body =
+          with_clouds_of_body(mapping::find_bodies(first, links), first, d, keyframes);
       size_t accepted = 0;
       const auto search = places::search_join(body, descriptors, first, first[d], body.size(),
                                               options, [&](mapping::Closure& closure, double yaw) {

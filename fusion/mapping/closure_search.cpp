@@ -115,14 +115,17 @@ struct Candidate {
   double distance = 0, margin = 0;  // m
 };
 
+template <class MayClose>
 std::optional<Candidate> nearest_before(const std::vector<Keyframe>& keyframes,
                                         const Estimate& estimate, size_t k,
-                                        const ClosureSearchOptions& options) {
+                                        const ClosureSearchOptions& options, MayClose may_close) {
   std::optional<Candidate> best;
   const size_t first = estimate.first_of_drive();
   estimate.for_each_near(k, options.max_distance + options.max_search, [&](size_t i) {
     const double driven = keyframes[k].distance_driven - keyframes[i].distance_driven;
-    if (!keyframes[i].has_cloud || (i >= first && driven < options.min_distance_driven)) return;
+    if (!keyframes[i].has_cloud || !may_close(i) ||
+        (i >= first && driven < options.min_distance_driven))
+      return;
     const Relative relative = estimate.relative(i, k);
     const double distance = relative.T_from_to.translation().norm();
     if (best && (distance > best->distance || (distance == best->distance && i >= best->from)))
@@ -165,18 +168,26 @@ Result<std::vector<Closure>> search_closures(const std::vector<Keyframe>& keyfra
   // Distance driven at which closures are sought again.
   double next = -std::numeric_limits<double>::infinity();
   size_t next_earlier = 0;
+  std::vector<size_t> first_keyframes{0};
+  for (const DriveJoin& join : joins) first_keyframes.push_back(join.first);
+  const std::vector<size_t> body = find_bodies(first_keyframes, earlier);
   for (size_t k = 0; k < keyframes.size(); ++k) {
     if (k > 0) estimate.settle(k - 1);
     estimate.advance(k);
+    // Where an earlier closure leads to a keyframe that left its cloud to others, this one seeks
+    // the maps in its stead that it was not merged with before.
+    bool in_stead = false;
     for (; next_earlier < earlier.size() && earlier[next_earlier].to == k; ++next_earlier) {
       estimate.correct(earlier[next_earlier]);
-      // Where the other keyframe has left its cloud to this one, this one seeks in its stead.
-      if (keyframes[earlier[next_earlier].from].has_cloud) {
-        next = keyframes[k].distance_driven + options.spacing;
-      }
+      next = keyframes[k].distance_driven + options.spacing;
+      in_stead |= !keyframes[earlier[next_earlier].from].has_cloud;
     }
-    if (keyframes[k].distance_driven < next || !keyframes[k].has_cloud) continue;
-    const auto candidate = nearest_before(keyframes, estimate, k, options);
+    const bool is_due = keyframes[k].distance_driven >= next;
+    if (!keyframes[k].has_cloud || !(is_due || in_stead)) continue;
+    const size_t own = body[drive_of(first_keyframes, k)];
+    const auto candidate = nearest_before(keyframes, estimate, k, options, [&](size_t i) {
+      return is_due || body[drive_of(first_keyframes, i)] != own;
+    });
     if (!candidate) continue;
     Closure closure;
     closure.from = candidate->from;
@@ -188,9 +199,10 @@ Result<std::vector<Closure>> search_closures(const std::vector<Keyframe>& keyfra
     if (closure.accepted() && contradicts(closure, *candidate, options))
       closure.reason = "the odometry since then contradicts";
     if (closure.accepted()) estimate.correct(closure);
-    next = keyframes[k].distance_driven + (closure.accepted() ? options.spacing
-                                           : closure.guessed  ? 0
-                                                              : options.search_spacing);
+    next =
+        std::max(next, keyframes[k].distance_driven + (closure.accepted() ? options.spacing
+                                                       : closure.guessed  ? 0
+                                                                         : options.search_spacing));
     closures.push_back(std::move(closure));
   }
   return closures;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <numeric>
 #include <set>
 
 #include "fusion/mapping/chi2.hpp"
@@ -29,12 +30,6 @@ Agreement compare(const std::vector<Keyframe>& keyframes, const Closure& a, cons
   const Vector6 error = geometry::log(by_a * by_b.inverse());
   const double chi2 = error.dot(Eigen::LDLT<Matrix6>(covariance).solve(error));
   return chi2 < widening * widening * kChi2Limit<3> ? Agreement::kAgrees : Agreement::kContradicts;
-}
-
-size_t drive_of(const std::vector<size_t>& first_keyframes, size_t keyframe) {
-  return static_cast<size_t>(
-      std::upper_bound(first_keyframes.begin(), first_keyframes.end(), keyframe) -
-      first_keyframes.begin() - 1);
 }
 
 /// A keyframe of a drive, and its motion since the first keyframe of the drive that a walk began
@@ -166,13 +161,22 @@ std::optional<DriveJoin> join_by_links(const std::vector<Keyframe>& keyframes,
   return join;
 }
 
-std::vector<bool> find_linked_drives(const std::vector<Keyframe>& keyframes,
-                                     const std::vector<size_t>& first_keyframes,
-                                     const std::vector<Closure>& links, size_t drive) {
-  const auto reached = walk_links(keyframes, first_keyframes, links, drive);
-  std::vector<bool> linked(reached.size());
-  for (size_t d = drive; d < reached.size(); ++d) linked[d] = reached[d].has_value();
-  return linked;
+size_t drive_of(const std::vector<size_t>& first_keyframes, size_t keyframe) {
+  return static_cast<size_t>(
+      std::upper_bound(first_keyframes.begin(), first_keyframes.end(), keyframe) -
+      first_keyframes.begin() - 1);
+}
+
+std::vector<size_t> find_bodies(const std::vector<size_t>& first_keyframes,
+                                const std::vector<Closure>& links) {
+  std::vector<size_t> body(first_keyframes.size());
+  std::iota(body.begin(), body.end(), size_t{0});
+  for (const Closure& closure : links) {
+    const size_t a = body[drive_of(first_keyframes, closure.from)];
+    const size_t b = body[drive_of(first_keyframes, closure.to)];
+    if (a != b) std::replace(body.begin(), body.end(), std::max(a, b), std::min(a, b));
+  }
+  return body;
 }
 
 }  // namespace infuse::mapping

@@ -43,9 +43,11 @@ std::optional<DriveJoin> join_by_links(const std::vector<Keyframe>& keyframes,
                                        const std::vector<size_t>& first_keyframes,
                                        const std::vector<Closure>& links, size_t drive);
 
-/// Whether each drive is `drive` or one that `links` connect with it without those before it.
-std::vector<bool> find_linked_drives(const std::vector<Keyframe>& keyframes,
-                                     const std::vector<size_t>& first_keyframes,
-                                     const std::vector<Closure>& links, size_t drive);
+/// The drive of a keyframe.
+size_t drive_of(const std::vector<size_t>& first_keyframes, size_t keyframe);
+
+/// By drive, the first of those that `links` connect with it: itself where they connect none.
+std::vector<size_t> find_bodies(const std::vector<size_t>& first_keyframes,
+                                const std::vector<Closure>& links);
 
 }  // namespace infuse::mapping

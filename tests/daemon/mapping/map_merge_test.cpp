@@ -16,7 +16,12 @@ class MapMerge : public testing::Test {
   void write_maps(const std::vector<mapping::Closure>& closures) {
     for (const char* name : {"a", "b"}) {
       write_small_map(folder_ / name, 5, 2);
-      ASSERT_TRUE(MapFolder(folder_ / name).write(map_file::kClosures, format_closures(closures)));
+      const MapFolder map(folder_ / name);
+      const std::string text = format_closures(closures);
+      ASSERT_TRUE(map.write(map_file::kClosures, text));
+      MapJson manifest = map.read_manifest(map_file::kMap).value();
+      manifest["files"][map_file::kClosures] = text::checksum(text);
+      ASSERT_TRUE(map.write(map_file::kMap, manifest.dump()));
     }
   }
 

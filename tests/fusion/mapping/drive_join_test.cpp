@@ -139,9 +139,10 @@ TEST(DriveJoin, ADriveJoinsThroughALaterOne) {
   const std::vector<size_t> first{0, kOfEach, 2 * kOfEach};
   std::vector<Closure> links{closure_of(truth, kOfEach + 40, 2 * kOfEach + 18)};
   EXPECT_FALSE(join_by_links(keyframes, first, links, 1));
-  EXPECT_EQ(find_linked_drives(keyframes, first, links, 1), (std::vector<bool>{false, true, true}));
-  EXPECT_EQ(find_linked_drives(keyframes, first, {}, 1), (std::vector<bool>{false, true, false}));
+  EXPECT_EQ(find_bodies(first, links), (std::vector<size_t>{0, 1, 1}));
+  EXPECT_EQ(find_bodies(first, {}), (std::vector<size_t>{0, 1, 2}));
   links.push_back(closure_of(truth, 30, 2 * kOfEach + 31));
+  EXPECT_EQ(find_bodies(first, links), (std::vector<size_t>{0, 0, 0}));
   const auto join = join_by_links(keyframes, first, links, 1);
   ASSERT_TRUE(join);
   EXPECT_EQ(join->first, kOfEach);
