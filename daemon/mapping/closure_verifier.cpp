@@ -39,6 +39,9 @@ Result<std::shared_ptr<const mapping::PreparedSubmap>> ClosureVerifier::prepare(
   const auto kept = std::find_if(prepared_.begin(), prepared_.end(),
                                  [&](const Prepared& p) { return p.keyframe == keyframe; });
   if (kept != prepared_.end()) return kept->submap;
+  if (const std::string name = MapFolder::cloud_name(keyframe); !folder_.has(name)) {
+    return fail("is missing", folder_.path_of(name), "make the map anew");
+  }
   const auto cloud = folder_.read_cloud(drive_.keyframes, keyframe);
   if (!cloud) return tl::unexpected(cloud.error());
   if (prepared_.size() >= kKeptSubmaps) prepared_.pop_front();

@@ -101,7 +101,9 @@ Result<mapping::Submap> parse_compressed_cloud(std::string_view bytes, size_t po
       mcap::Compression::kZstd, {reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()},
       cloud_header(points).size() + points * kCloudPointBytes, plain);
   if (!done) return fail(done.error().what, name);
-  return parse_cloud_pcd({reinterpret_cast<const char*>(plain.data()), plain.size()}, name);
+  auto cloud = parse_cloud_pcd({reinterpret_cast<const char*>(plain.data()), plain.size()}, name);
+  if (cloud && cloud->size() != points) return fail("not as many points as stated", name);
+  return cloud;
 }
 
 }  // namespace infuse::daemon

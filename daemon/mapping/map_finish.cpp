@@ -2,7 +2,9 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "daemon/mapping/closure_verifier.hpp"
@@ -60,51 +62,56 @@ mapping::PoseGraph<3> odometry_graph(const std::vector<mapping::Keyframe>& keyfr
   return graph;
 }
 
-/// By what a drive joined those before it in a map that was merged, if it did.
-std::optional<mapping::DriveJoin> earlier_join(const std::vector<mapping::Closure>& closures,
-                                               size_t first, size_t end) {
-  mapping::DriveJoin join{first, {}};
-  for (const mapping::Closure& closure : closures) {
-    if (closure.from < first && closure.to >= first && closure.to < end)
-      join.closures.push_back(closure);
+/// Keyframes of which only those before a drive, its own and those of the drives that are linked
+/// with it have their clouds.
+std::vector<mapping::Keyframe> with_clouds_of(const std::vector<bool>& linked,
+                                              const std::vector<size_t>& first_keyframes,
+                                              size_t drive,
+                                              std::vector<mapping::Keyframe> keyframes) {
+  for (size_t d = drive; d < first_keyframes.size(); ++d) {
+    const size_t end = d + 1 < first_keyframes.size() ? first_keyframes[d + 1] : keyframes.size();
+    for (size_t k = first_keyframes[d]; k < end; ++k) {
+      keyframes[k].has_cloud = keyframes[k].has_cloud && linked[d];
+    }
   }
-  if (join.closures.empty()) return std::nullopt;
-  return join;
+  return keyframes;
 }
 
 /// Seeks where the further drives of a merged map join those before; appends what was tried to
-/// `closures`. Fails if one shares no place with them.
+/// `closures`. Drives that were merged before are one body: any of them joins all. Fails if one
+/// shares no place with those before.
 Result<std::vector<mapping::DriveJoin>> join_drives(
     const MapFolder& folder, const MapDrive& drive, const std::vector<mapping::Keyframe>& keyframes,
     const Descriptors& descriptors, const places::JoinOptions& options, ClosureVerifier& verifier,
     const MapProgress& progress, std::vector<mapping::Closure>& closures) {
   std::vector<mapping::DriveJoin> joins;
+  std::vector<mapping::Closure> links = drive.closures;
   const std::vector<size_t>& first = drive.first_keyframes;
   for (size_t d = 1; d < first.size(); ++d) {
-    const size_t end = d + 1 < first.size() ? first[d + 1] : keyframes.size();
-    if (auto join = earlier_join(drive.closures, first[d], end)) {
-      joins.push_back(*std::move(join));
-      continue;
+    auto join = mapping::join_by_links(keyframes, first, links, d);
+    if (!join) {
+      const auto body = with_clouds_of(mapping::find_linked_drives(keyframes, first, links, d),
+                                       first, d, keyframes);
+      size_t accepted = 0;
+      const auto search = places::search_join(body, descriptors, first, first[d], body.size(),
+                                              options, [&](mapping::Closure& closure, double yaw) {
+                                                progress(closure.to, keyframes.size(), accepted);
+                                                auto verified = verifier.verify(closure, yaw);
+                                                if (verified && closure.accepted()) ++accepted;
+                                                return verified;
+                                              });
+      if (!search) return tl::unexpected(search.error());
+      for (const size_t i : search->agreeing) links.push_back(search->tried[i]);
+      closures.insert(closures.end(), search->tried.begin(), search->tried.end());
+      join = mapping::join_by_links(keyframes, first, links, d);
+      if (!join) {
+        return fail(fmt::format("drive {} cannot be joined with those before it: of {} pairs of "
+                                "places that look alike {} fit, and too few of these agree",
+                                d + 1, search->tried.size(), accepted),
+                    folder.path().string(), "merge a drive that shares a street with both");
+      }
     }
-    size_t accepted = 0;
-    auto search = places::search_join(keyframes, descriptors, first, first[d], end, options,
-                                      [&](mapping::Closure& closure, double yaw) {
-                                        progress(closure.to, keyframes.size(), accepted);
-                                        auto verified = verifier.verify(closure, yaw);
-                                        if (verified && closure.accepted()) ++accepted;
-                                        return verified;
-                                      });
-    if (!search) return tl::unexpected(search.error());
-    if (search->agreeing.empty()) {
-      return fail(fmt::format("drive {} cannot be joined with those before it: of {} pairs of "
-                              "places that look alike {} fit, and too few of these agree",
-                              d + 1, search->tried.size(), accepted),
-                  folder.path().string(), "merge a drive that shares a street with both");
-    }
-    mapping::DriveJoin join{first[d], {}};
-    for (const size_t i : search->agreeing) join.closures.push_back(search->tried[i]);
-    joins.push_back(std::move(join));
-    closures.insert(closures.end(), search->tried.begin(), search->tried.end());
+    joins.push_back(*std::move(join));
   }
   return joins;
 }
@@ -327,18 +334,22 @@ Result<MapSummary> finish_map(const MapFolder& folder, const MapDrive& drive,
     summary.reason = wrong;
   }
 
-  const std::vector<size_t> kept =
-      places::select_places(keyframes, poses_of(fit), *descriptors, settings.kept_clouds);
-  summary.clouds = kept.size();
+  summary.clouds = static_cast<size_t>(std::count_if(
+      keyframes.begin(), keyframes.end(), [](const auto& keyframe) { return keyframe.has_cloud; }));
 
   MapJson manifest = drive.manifest;
-  manifest[kKeptClouds] = kept;
+  std::optional<std::vector<size_t>> kept;  // all where the poses that would choose are wrong
+  if (summary.usable()) {
+    kept = places::select_places(keyframes, poses_of(fit), *descriptors, settings.kept_clouds);
+    summary.clouds = kept->size();
+    manifest[kKeptClouds] = *kept;
+  }
   manifest["georeference"] = fit.georeferenced() ? georeference_json(origin) : MapJson(nullptr);
   manifest["outvoted_closures"] = outvoted;
   manifest["summary"] = to_json(summary);
   const auto written = write_files(folder, drive, keyframes, fit, std::move(manifest));
   if (!written) return tl::unexpected(written.error());
-  folder.keep_clouds(kept);  // the last step: the closures need all of them
+  if (kept) folder.keep_clouds(*kept);  // the last step: the closures need all of them
   return summary;
 }
 

@@ -24,6 +24,8 @@ namespace {
 
 constexpr const char* kMapFormat = "infuse map";
 constexpr int kMapVersion = 3;
+constexpr const char* kCloudEnding = ".pcd.zst";
+constexpr size_t kLeftoverSuffix = 7;  // characters, of `write_file_atomically`
 constexpr size_t kMaxMapFileBytes = size_t{256} << 20;
 constexpr std::array kMapFileNames{
     map_file::kDrive,    map_file::kKeyframes,       map_file::kFixes, map_file::kPlaces,
@@ -36,15 +38,42 @@ bool is_map_file(const std::string& name) {
          name.starts_with('.');
 }
 
+/// True for the name of a cloud that a map writes: digits and the ending.
+bool is_cloud_name(std::string_view name) {
+  const size_t digits = std::min(name.find_first_not_of("0123456789"), name.size());
+  return digits > 0 && name.substr(digits) == kCloudEnding;
+}
+
+/// True for what a map has in its clouds' folder: clouds, and what an interrupted write leaves.
+bool is_cloud_file(const std::string& name) {
+  return name.starts_with('.') || is_cloud_name(name) ||
+         (name.size() > kLeftoverSuffix && name[name.size() - kLeftoverSuffix] == '.' &&
+          is_cloud_name(std::string_view(name).substr(0, name.size() - kLeftoverSuffix)));
+}
+
+/// Fails if a folder that may exist holds a file that no map has.
+template <class IsOurs>
+Result<void> check_names(const std::filesystem::path& folder, IsOurs is_ours) {
+  std::error_code error;
+  for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end;
+       it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    if (!is_ours(name)) {
+      return fail("the folder holds '" + name + "', which is not part of a map", folder.string(),
+                  "choose a new folder");
+    }
+  }
+  return {};
+}
+
 /// Removes the temporary files that an interrupted write leaves: a name and six more characters.
 void remove_leftovers(const std::filesystem::path& folder) {
-  constexpr size_t kSuffix = 7;
   std::error_code error;
   std::vector<std::filesystem::path> leftovers;
   for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end;
        it.increment(error)) {
     const std::string name = it->path().filename().string();
-    const std::string stem = name.substr(0, name.size() - std::min(name.size(), kSuffix));
+    const std::string stem = name.substr(0, name.size() - std::min(name.size(), kLeftoverSuffix));
     const bool is_ours = stem.ends_with(".zst") || stem.ends_with(".csv") ||
                          stem.ends_with(".json") || stem.ends_with(".g2o") ||
                          stem.ends_with(".tum") || stem.ends_with(".bin");
@@ -149,13 +178,11 @@ Result<void> MapFolder::create() const {
   std::error_code error;
   if (std::filesystem::exists(path_, error)) {
     if (!std::filesystem::is_directory(path_, error)) return fail("not a folder", path_.string());
-    for (std::filesystem::directory_iterator it(path_, error), end; !error && it != end;
-         it.increment(error)) {
-      const std::string name = it->path().filename().string();
-      if (!is_map_file(name)) {
-        return fail("the folder holds '" + name + "', which is not part of a map", path_.string(),
-                    "choose a new folder");
-      }
+    if (auto checked = check_names(path_, is_map_file); !checked) return checked;
+    // Where there is a map, of an earlier version too, its manifest decides.
+    if (!has(map_file::kDrive)) {
+      auto checked = check_names(path_ / map_file::kClouds, is_cloud_file);
+      if (!checked) return checked;
     }
   }
   std::filesystem::create_directories(path_ / map_file::kClouds, error);
@@ -188,8 +215,8 @@ Result<MapJson> MapFolder::read_manifest(const std::string& name) const {
     return fail("not the manifest of a map, or damaged", path_of(name));
   }
   if (json["version"] != kMapVersion) {
-    return fail("a map of another version", path_of(name),
-                fmt::format("expected version {}", kMapVersion));
+    return fail("a map of version " + json["version"].dump(), path_of(name),
+                "make the map anew with infuse map");
   }
   return json;
 }
@@ -214,7 +241,8 @@ void MapFolder::keep_clouds(const std::vector<size_t>& kept) const {
   std::error_code error;
   for (std::filesystem::directory_iterator it(path_ / map_file::kClouds, error), end;
        !error && it != end; it.increment(error)) {
-    if (!names.contains(it->path().filename().string())) others.push_back(it->path());
+    const std::string name = it->path().filename().string();
+    if (is_cloud_name(name) && !names.contains(name)) others.push_back(it->path());
   }
   for (const auto& other : others) std::filesystem::remove(other, error);
 }
@@ -234,7 +262,7 @@ Result<std::string> MapFolder::read_stated(const MapJson& manifest, const std::s
 }
 
 std::string MapFolder::cloud_name(size_t keyframe) {
-  return fmt::format("{}/{:06}.pcd.zst", map_file::kClouds, keyframe);
+  return fmt::format("{}/{:06}{}", map_file::kClouds, keyframe, kCloudEnding);
 }
 
 std::string MapFolder::trajectory_name(size_t drive) {

@@ -56,7 +56,8 @@ class MapFolder {
   std::string path_of(const std::string& name) const { return (path_ / name).string(); }
   bool has(const std::string& name) const;
 
-  /// Creates the folder. Fails if it exists and holds files that no map has.
+  /// Creates the folder. Fails if it exists and holds files that no map has, or if its clouds'
+  /// folder does and there is no map.
   Result<void> create() const;
 
   Result<void> write(const std::string& name, std::string_view bytes) const;
@@ -71,7 +72,7 @@ class MapFolder {
   /// Reads a file with the checksum that a manifest states.
   Result<std::string> read_stated(const MapJson& manifest, const std::string& name) const;
 
-  /// Removes the clouds of all other keyframes.
+  /// Removes the clouds of all other keyframes; files of other names are left.
   void keep_clouds(const std::vector<size_t>& kept) const;
   /// Removes what was found of earlier content: closures.csv and map.json.
   void remove_results() const;

@@ -26,6 +26,12 @@ Result<std::vector<mapping::Closure>> read_closures(const MapFolder& folder,
         return parse_closures(text, folder.path_of(map_file::kClosures));
       });
   if (!sought) return sought;
+  for (const mapping::Closure& closure : *sought) {  // of which `from` is the less
+    if (closure.to >= content.drive.keyframes.size()) {
+      return fail("a closure of a keyframe that does not exist",
+                  folder.path_of(map_file::kClosures));
+    }
+  }
   std::vector<mapping::Closure> closures = content.drive.closures;
   closures.insert(closures.end(), sought->begin(), sought->end());
   std::set<std::pair<size_t, size_t>> outvoted;
@@ -77,18 +83,26 @@ Result<std::vector<Part>> open_parts(const MapFolder& target,
   return parts;
 }
 
-/// What the merged map is made of and how.
-MapJson identity_of(const std::vector<Part>& parts, const MapSettings& settings) {
+/// What the merged map is made of and how. Fails if a manifest does not say.
+Result<MapJson> identity_of(const std::vector<Part>& parts, const MapSettings& settings) {
+  for (const Part& part : parts) {
+    for (const char* key : {"sources", "files", "lidar", "T_vehicle_lidar"}) {
+      if (!part.content.manifest.contains(key)) {
+        return fail("\"" + std::string(key) + "\" is missing", part.folder.path_of(map_file::kMap),
+                    "make the map anew");
+      }
+    }
+  }
   MapJson json = make_manifest();
   json["sources"] = MapJson::array();
   json["merged"] = MapJson::array();
   for (const Part& part : parts) {
-    for (const MapJson& source : part.content.manifest["sources"])
+    for (const MapJson& source : part.content.manifest.at("sources"))
       json["sources"].push_back(source);
-    json["merged"].push_back(part.content.manifest["files"]);
+    json["merged"].push_back(part.content.manifest.at("files"));
   }
-  json["lidar"] = parts.front().content.manifest["lidar"];
-  json["T_vehicle_lidar"] = parts.front().content.manifest["T_vehicle_lidar"];
+  json["lidar"] = parts.front().content.manifest.at("lidar");
+  json["T_vehicle_lidar"] = parts.front().content.manifest.at("T_vehicle_lidar");
   json["settings"] = to_json(settings);
   return json;
 }
@@ -156,8 +170,10 @@ Result<void> merge_maps(const MapFolder& target, const std::vector<std::filesyst
                         const MapSettings& settings) {
   const auto parts = open_parts(target, maps);
   if (!parts) return tl::unexpected(parts.error());
+  auto identity = identity_of(*parts, settings);
+  if (!identity) return tl::unexpected(identity.error());
+  MapJson manifest = *std::move(identity);
   if (auto created = target.create(); !created) return created;
-  MapJson manifest = identity_of(*parts, settings);
   const auto made = target.is_made_of(manifest);
   if (!made) return tl::unexpected(made.error());
   if (*made) return {};

@@ -170,7 +170,10 @@ Result<std::vector<Closure>> search_closures(const std::vector<Keyframe>& keyfra
     estimate.advance(k);
     for (; next_earlier < earlier.size() && earlier[next_earlier].to == k; ++next_earlier) {
       estimate.correct(earlier[next_earlier]);
-      next = keyframes[k].distance_driven + options.spacing;
+      // Where the other keyframe has left its cloud to this one, this one seeks in its stead.
+      if (keyframes[earlier[next_earlier].from].has_cloud) {
+        next = keyframes[k].distance_driven + options.spacing;
+      }
     }
     if (keyframes[k].distance_driven < next || !keyframes[k].has_cloud) continue;
     const auto candidate = nearest_before(keyframes, estimate, k, options);

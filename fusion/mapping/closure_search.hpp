@@ -59,7 +59,8 @@ using VerifyClosure = std::function<Result<void>(Closure&)>;
 /// the uncertainty of the odometry since (or of the known poses) lets them be within
 /// `max_distance`. A closure that was found, or by which a drive joins the others, corrects where
 /// the next ones are sought, and so do the `earlier` ones, which are in order of `to` and are not
-/// returned. One that was verified and contradicts that uncertainty is rejected.
+/// returned; none is sought beside them unless their `from` has no cloud. One that was verified and
+/// contradicts that uncertainty is rejected.
 /// `options.invalid()` must be empty.
 Result<std::vector<Closure>> search_closures(const std::vector<Keyframe>& keyframes,
                                              const std::vector<DriveJoin>& joins,

@@ -31,6 +31,55 @@ Agreement compare(const std::vector<Keyframe>& keyframes, const Closure& a, cons
   return chi2 < widening * widening * kChi2Limit<3> ? Agreement::kAgrees : Agreement::kContradicts;
 }
 
+size_t drive_of(const std::vector<size_t>& first_keyframes, size_t keyframe) {
+  return static_cast<size_t>(
+      std::upper_bound(first_keyframes.begin(), first_keyframes.end(), keyframe) -
+      first_keyframes.begin() - 1);
+}
+
+/// A keyframe of a drive, and its motion since the first keyframe of the drive that a walk began
+/// at.
+struct Reached {
+  size_t keyframe = 0;
+  OdometryBetween since;
+};
+
+OdometryBetween followed_by(const OdometryBetween& a, const OdometryBetween& b) {
+  return {a.T_from_to * b.T_from_to,
+          a.covariance + transform_covariance(a.T_from_to, b.covariance)};
+}
+
+OdometryBetween reversed(const OdometryBetween& motion) {
+  const Eigen::Isometry3d T_to_from = motion.T_from_to.inverse();
+  return {T_to_from, transform_covariance(T_to_from, motion.covariance)};
+}
+
+/// Where `links` lead from a drive, by drive: the fewest of them. It ends at drives before it.
+std::vector<std::optional<Reached>> walk_links(const std::vector<Keyframe>& keyframes,
+                                               const std::vector<size_t>& first_keyframes,
+                                               const std::vector<Closure>& links, size_t drive) {
+  std::vector<std::optional<Reached>> reached(first_keyframes.size());
+  reached[drive] = Reached{first_keyframes[drive], {}};
+  std::vector<size_t> next{drive};
+  for (size_t i = 0; i < next.size(); ++i) {
+    if (next[i] < drive) continue;
+    const Reached at = *reached[next[i]];
+    const auto follow = [&](size_t from, size_t to, const OdometryBetween& link) {
+      const size_t other = drive_of(first_keyframes, to);
+      if (drive_of(first_keyframes, from) != next[i] || reached[other]) return;
+      const OdometryBetween way = odometry_between(keyframes, at.keyframe, from);
+      reached[other] = Reached{to, followed_by(followed_by(at.since, way), link)};
+      next.push_back(other);
+    };
+    for (const Closure& closure : links) {
+      const OdometryBetween link{closure.T_from_to, closure.covariance};
+      follow(closure.from, closure.to, link);
+      follow(closure.to, closure.from, reversed(link));
+    }
+  }
+  return reached;
+}
+
 }  // namespace
 
 std::optional<std::string> AgreementOptions::invalid() const {
@@ -48,21 +97,17 @@ OdometryBetween odometry_between(const std::vector<Keyframe>& keyframes, size_t 
         between.T_from_to * keyframes[k].T_odom_vehicle.inverse() * keyframes[k + 1].T_odom_vehicle;
   }
   if (from <= to) return between;
-  const Eigen::Isometry3d T_from_to = between.T_from_to.inverse();
-  return {T_from_to, transform_covariance(T_from_to, between.covariance)};
+  return reversed(between);
 }
 
 std::vector<size_t> find_agreeing(const std::vector<Keyframe>& keyframes,
                                   const std::vector<size_t>& first_keyframes,
                                   const std::vector<Closure>& closures,
                                   const AgreementOptions& options) {
-  const auto drive_of = [&](size_t keyframe) {
-    return std::upper_bound(first_keyframes.begin(), first_keyframes.end(), keyframe) -
-           first_keyframes.begin();
-  };
+  const auto drive = [&](size_t keyframe) { return drive_of(first_keyframes, keyframe); };
   const auto comparison = [&](size_t a, size_t b) {
-    const bool related = drive_of(closures[a].from) == drive_of(closures[b].from) &&
-                         drive_of(closures[a].to) == drive_of(closures[b].to);
+    const bool related = drive(closures[a].from) == drive(closures[b].from) &&
+                         drive(closures[a].to) == drive(closures[b].to);
     return a == b     ? Agreement::kAgrees
            : !related ? Agreement::kUnrelated
                       : compare(keyframes, closures[a], closures[b], options.widening);
@@ -93,6 +138,41 @@ std::vector<size_t> find_agreeing(const std::vector<Keyframe>& keyframes,
   std::stable_sort(agreeing.begin(), agreeing.end(),
                    [&](size_t a, size_t b) { return closures[a].to < closures[b].to; });
   return agreeing;
+}
+
+std::optional<DriveJoin> join_by_links(const std::vector<Keyframe>& keyframes,
+                                       const std::vector<size_t>& first_keyframes,
+                                       const std::vector<Closure>& links, size_t drive) {
+  DriveJoin join{first_keyframes[drive], {}};
+  for (const Closure& closure : links) {
+    if (closure.from < join.first && drive_of(first_keyframes, closure.to) == drive) {
+      join.closures.push_back(closure);
+    }
+  }
+  std::stable_sort(join.closures.begin(), join.closures.end(),
+                   [](const Closure& a, const Closure& b) { return a.to < b.to; });
+  if (!join.closures.empty()) return join;
+  const auto reached = walk_links(keyframes, first_keyframes, links, drive);
+  const auto before = std::find_if(reached.begin(), reached.begin() + static_cast<ptrdiff_t>(drive),
+                                   [](const auto& other) { return other.has_value(); });
+  if (before == reached.begin() + static_cast<ptrdiff_t>(drive)) return std::nullopt;
+  const OdometryBetween back = reversed((*before)->since);
+  Closure composed;
+  composed.from = (*before)->keyframe;
+  composed.to = join.first;
+  composed.T_from_to = back.T_from_to;
+  composed.covariance = back.covariance;
+  join.closures.push_back(std::move(composed));
+  return join;
+}
+
+std::vector<bool> find_linked_drives(const std::vector<Keyframe>& keyframes,
+                                     const std::vector<size_t>& first_keyframes,
+                                     const std::vector<Closure>& links, size_t drive) {
+  const auto reached = walk_links(keyframes, first_keyframes, links, drive);
+  std::vector<bool> linked(reached.size());
+  for (size_t d = drive; d < reached.size(); ++d) linked[d] = reached[d].has_value();
+  return linked;
 }
 
 }  // namespace infuse::mapping

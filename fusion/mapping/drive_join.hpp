@@ -36,4 +36,16 @@ std::vector<size_t> find_agreeing(const std::vector<Keyframe>& keyframes,
                                   const std::vector<Closure>& closures,
                                   const AgreementOptions& options = {});
 
+/// By what drive `drive` joins those before it, or nothing: all closures that lead straight to
+/// them, or else one that is composed of closures through later drives and of the odometry between.
+/// `first_keyframes` are those of all drives, `links` true closures between any of them.
+std::optional<DriveJoin> join_by_links(const std::vector<Keyframe>& keyframes,
+                                       const std::vector<size_t>& first_keyframes,
+                                       const std::vector<Closure>& links, size_t drive);
+
+/// Whether each drive is `drive` or one that `links` connect with it without those before it.
+std::vector<bool> find_linked_drives(const std::vector<Keyframe>& keyframes,
+                                     const std::vector<size_t>& first_keyframes,
+                                     const std::vector<Closure>& links, size_t drive);
+
 }  // namespace infuse::mapping

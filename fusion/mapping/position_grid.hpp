@@ -1,7 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cmath>
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <unordered_map>
 #include <vector>
 
@@ -33,8 +35,10 @@ class PositionGrid {
   }
 
  private:
+  /// What is farther away than keys hold, or is no number, counts as at the edge.
   int32_t cell_at(double coordinate) const {
-    return registration::floor_to_int(coordinate / cell_);
+    constexpr double kEdge = registration::kVoxelOffset - 2;
+    return registration::floor_to_int(std::max(-kEdge, std::min(kEdge, coordinate / cell_)));
   }
   static uint64_t key_of(int32_t x, int32_t y) { return registration::voxel_key(x, y, 0); }
 

@@ -21,7 +21,8 @@ struct PlaceSelectionOptions {
 };
 
 /// Keyframes that keep their clouds, in order: of those that have one, the newest, and each that no
-/// newer one kept replaces. Their number is bounded by the area, whatever the number of visits.
+/// newer one kept replaces. Visits that see the same add none; those that each see another part of
+/// the circle, less than `min_seen` of it in common, keep one each.
 /// `T_map_vehicle` and `places` have an entry for every keyframe; `options.invalid()` must be
 /// empty.
 std::vector<size_t> select_places(const std::vector<mapping::Keyframe>& keyframes,

@@ -328,6 +328,8 @@ void write_map_files(const std::filesystem::path& folder) {
       {"cloud", daemon::format_cloud_pcd(cloud)}};
   char number = 0;
   for (const auto& [name, bytes] : files) write_seed(folder / name, number++ + bytes);
+  const char of_points = static_cast<char>(5 + 6 * cloud.size());
+  write_seed(folder / "compressed_cloud", of_points + daemon::compress_cloud(cloud).value());
 }
 
 /// As ouster_packet_fuzz reads it: profile and shape, then packets of 16 beams.

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "daemon/mapping/map_finish.hpp"
+#include "daemon/mapping/place_map.hpp"
 #include "daemon/setup/drive_setup.hpp"
 #include "daemon/tools/map/map_drive.hpp"
 #include "drivers/recording/trajectory_file.hpp"
@@ -402,6 +403,87 @@ TEST_F(MapDrive, AnotherVisitIsMergedIntoTheMap) {
   EXPECT_THAT(Made::infuse("map merge " + both + " " + made_->map() + " -o " + both).output,
               HasSubstr("merged into itself"));
   EXPECT_EQ(Made::infuse("map merge " + both + " -o " + made_->map("alone")).code, 2);
+}
+
+// A map of two drives along one street, of which the slower one has taken over all clouds.
+TEST_F(MapDrive, AMapWhoseDriveHasNoCloudsIsMergedInEitherOrder) {
+  const std::string route = "[117, 115, 110, 112, 104, 100]";
+  std::vector<geometry::StampedPose> truth[2];
+  for (const int i : {0, 1}) {
+    std::string scenario = visit(route, i == 0 ? 22 : 30);
+    if (i == 1) {
+      scenario.replace(scenario.find("seed = 8"), 8, "seed = 9");
+      scenario.replace(scenario.find("speed = 10"), 10, "speed = 8");
+    }
+    const std::string name = "lap" + std::to_string(i);
+    const std::string drive = (made_->folder / name).string();
+    ASSERT_TRUE(simulate(drive, scenario));
+    ASSERT_EQ(Made::infuse("map " + drive + " --no-gnss -o " + made_->map("of_" + name)).code, 0);
+    truth[i] = read_poses(drive + "/truth/poses.tum");
+  }
+  const auto merge = [](const std::string& a, const std::string& b, const std::string& target) {
+    return Made::infuse("map merge " + made_->map(a) + " " + made_->map(b) + " --no-gnss -o " +
+                        made_->map(target));
+  };
+  ProgramResult run = merge("of_lap0", "of_lap1", "laps");
+  ASSERT_EQ(run.code, 0) << run.output;
+  const auto laps = read_map(MapFolder(made_->map("laps")));
+  ASSERT_TRUE(laps) << laps.error().message();
+  const auto& of_laps = laps->drive.keyframes;
+  EXPECT_LT(std::count_if(of_laps.begin(),
+                          of_laps.begin() + static_cast<ptrdiff_t>(laps->drive.first_keyframes[1]),
+                          [](const auto& keyframe) { return keyframe.keyframe.has_cloud; }),
+            3)
+      << "else nothing is shown";
+
+  for (const bool last : {true, false}) {
+    const std::string target = last ? "laps_last" : "laps_first";
+    run = last ? merge("map", "laps", target) : merge("laps", "map", target);
+    ASSERT_EQ(run.code, 0) << run.output;
+    const std::string both = made_->map(target);
+    const size_t first_lap = last ? 1 : 0;
+    std::vector<motion::PosePair> pairs;
+    size_t of_drive[3];
+    for (size_t d = 0; d < 3; ++d) {
+      const bool is_lap = d >= first_lap && d < first_lap + 2;
+      const auto part = motion::pair_by_time(read_poses(both + "/" + MapFolder::trajectory_name(d)),
+                                             is_lap ? truth[d - first_lap] : made_->truth);
+      of_drive[d] = part.size();
+      pairs.insert(pairs.end(), part.begin(), part.end());
+    }
+    EXPECT_GT(std::min({of_drive[0], of_drive[1], of_drive[2]}), 50U);
+    EXPECT_LT(motion::absolute_error(pairs).translation.rms, 0.3);
+    // All along the street, not where they join alone.
+    const auto map = read_map_drive(MapFolder(both));
+    ASSERT_TRUE(map);
+    const size_t border = map->first_keyframes[last ? 1 : 2];
+    const auto closures = parse_closures(read_file(both + "/closures.csv"), "closures.csv");
+    ASSERT_TRUE(closures);
+    EXPECT_GT(std::count_if(closures->begin(), closures->end(),
+                            [&](const auto& closure) {
+                              return closure.accepted() && closure.from < border &&
+                                     closure.to >= border;
+                            }),
+              20);
+  }
+  // And what came of it once more.
+  run = merge("laps_last", "of_lap0", "again");
+  EXPECT_EQ(run.code, 0) << run.output;
+}
+
+TEST_F(MapDrive, AMapThatIsNotUsableKeepsItsClouds) {
+  const MapFolder folder(copy("not_usable", "replayed"));
+  auto drive = read_map_drive(folder);
+  ASSERT_TRUE(drive);
+  drive->manifest["unmeasured"] = drive->manifest["sweeps"];
+  const auto made = finish_map(folder, *drive, {.close_loops = false}, {});
+  ASSERT_TRUE(made) << made.error().message();
+  EXPECT_FALSE(made->usable());
+  EXPECT_EQ(made->clouds, drive->keyframes.size());
+  EXPECT_EQ(bytes_of(folder.path_of("clouds")), bytes_of(made_->map("replayed") + "/clouds"));
+  const auto map = open_place_map(folder);
+  ASSERT_TRUE(map) << map.error().message();
+  EXPECT_EQ(map->descriptors.size(), drive->keyframes.size());
 }
 
 TEST_F(MapDrive, MapsWithoutACommonStreetAreNotMerged) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "tests/daemon/mapping/small_map.hpp"
 #include "tests/scratch_folder.hpp"
 
@@ -62,6 +64,50 @@ TEST(MapFolder, PlacesAreTheKeyframesThatKeepTheirClouds) {
     write_small_map(folder / "wrong", 5, 2, wrong);
     EXPECT_FALSE(open_place_map(MapFolder(folder / "wrong")));
   }
+}
+
+// `-o ~/scans`, where clouds/ is the user's own.
+TEST(MapFolder, CloudsOfOthersAreNotTaken) {
+  const ScratchFolder folder;
+  for (const char* name : {"street.pcd.zst", "000001.pcd", "7.pcd.zst.bak"}) {
+    const fs::path own = folder / "scans/clouds" / name;
+    fs::remove_all(folder / "scans");
+    fs::create_directories(own.parent_path());
+    std::ofstream(own) << "mine";
+    const MapFolder scans(folder / "scans");
+    const auto refused = scans.create();
+    ASSERT_FALSE(refused) << name;
+    EXPECT_NE(refused.error().what.find(name), std::string::npos) << refused.error().message();
+    scans.keep_clouds({});
+    EXPECT_TRUE(fs::exists(own)) << name;
+  }
+  // What an interrupted run of a map left is gone on with.
+  fs::remove_all(folder / "scans");
+  for (const char* name : {"000001.pcd.zst", "1000002.pcd.zst", "000003.pcd.zst.a1b2c3"}) {
+    fs::create_directories(folder / "scans/clouds");
+    std::ofstream(folder / "scans/clouds" / name) << "cloud";
+  }
+  const MapFolder scans(folder / "scans");
+  EXPECT_TRUE(scans.create());
+  scans.keep_clouds({1});
+  EXPECT_TRUE(fs::exists(folder / "scans/clouds/000001.pcd.zst"));
+  EXPECT_FALSE(fs::exists(folder / "scans/clouds/1000002.pcd.zst"));
+}
+
+TEST(MapFolder, AnotherVersionIsNamed) {
+  const ScratchFolder folder;
+  write_small_map(folder / "map", 3, 2);
+  const MapFolder map(folder / "map");
+  MapJson manifest = map.read_manifest(map_file::kMap).value();
+  manifest["version"] = 2;
+  ASSERT_TRUE(map.write(map_file::kMap, manifest.dump()));
+  const auto read = read_map(map);
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().what, "a map of version 2");
+  EXPECT_EQ(read.error().hint, "make the map anew with infuse map");
+  manifest.erase("version");
+  ASSERT_TRUE(map.write(map_file::kMap, manifest.dump()));
+  EXPECT_FALSE(read_map(map));
 }
 
 }  // namespace

@@ -126,6 +126,53 @@ TEST(DriveJoin, TheSearchFindsTheRestOfTheStreet) {
   EXPECT_GE(accepted, kOfEach / 3);
 }
 
+// The street thrice: the second drive is linked with the third alone, and that with the first.
+TEST(DriveJoin, ADriveJoinsThroughALaterOne) {
+  auto truth = street_twice();
+  truth.insert(truth.end(), truth.begin(), truth.begin() + kOfEach);
+  auto keyframes = keyframes_of(truth);
+  for (size_t k = 1; k < keyframes.size(); ++k) {  // without drift
+    keyframes[k].T_odom_vehicle = truth[k];
+    if (k >= kOfEach && k < 2 * kOfEach)
+      keyframes[k].T_odom_vehicle = truth[kOfEach].inverse() * truth[k];
+  }
+  const std::vector<size_t> first{0, kOfEach, 2 * kOfEach};
+  std::vector<Closure> links{closure_of(truth, kOfEach + 40, 2 * kOfEach + 18)};
+  EXPECT_FALSE(join_by_links(keyframes, first, links, 1));
+  EXPECT_EQ(find_linked_drives(keyframes, first, links, 1), (std::vector<bool>{false, true, true}));
+  EXPECT_EQ(find_linked_drives(keyframes, first, {}, 1), (std::vector<bool>{false, true, false}));
+  links.push_back(closure_of(truth, 30, 2 * kOfEach + 31));
+  const auto join = join_by_links(keyframes, first, links, 1);
+  ASSERT_TRUE(join);
+  EXPECT_EQ(join->first, kOfEach);
+  ASSERT_EQ(join->closures.size(), 1U);
+  const Closure& composed = join->closures.front();
+  EXPECT_EQ(composed.from, 30U);
+  EXPECT_EQ(composed.to, kOfEach);
+  EXPECT_TRUE(composed.T_from_to.isApprox(truth[30].inverse() * truth[kOfEach], 1e-9));
+  // As the steps from the first drive on add up: two closures, 13 and 40 keyframes of odometry.
+  geometry::Matrix6 expected = links[1].covariance;
+  Eigen::Isometry3d T = links[1].T_from_to;
+  const auto add = [&](const Eigen::Isometry3d& step, const geometry::Matrix6& covariance) {
+    expected += geometry::transform_covariance(T, covariance);
+    T = T * step;
+  };
+  const OdometryBetween third = odometry_between(keyframes, 2 * kOfEach + 31, 2 * kOfEach + 18);
+  add(third.T_from_to, third.covariance);
+  const Eigen::Isometry3d T_third_second = links[0].T_from_to.inverse();
+  add(T_third_second, geometry::transform_covariance(T_third_second, links[0].covariance));
+  const OdometryBetween second = odometry_between(keyframes, kOfEach + 40, kOfEach);
+  add(second.T_from_to, second.covariance);
+  EXPECT_TRUE(composed.covariance.isApprox(expected, 1e-9));
+  // Straight links come first, in order of `to`.
+  links.push_back(closure_of(truth, 9, kOfEach + 50));
+  links.push_back(closure_of(truth, 29, kOfEach + 30));
+  const auto straight = join_by_links(keyframes, first, links, 1);
+  ASSERT_TRUE(straight);
+  ASSERT_EQ(straight->closures.size(), 2U);
+  EXPECT_EQ(straight->closures.front().to, kOfEach + 30);
+}
+
 TEST(DriveJoin, OptionsSayWhatIsWrong) {
   EXPECT_FALSE(AgreementOptions{}.invalid());
   EXPECT_TRUE(AgreementOptions{.min_closures = 1}.invalid());

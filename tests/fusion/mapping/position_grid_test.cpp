@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <random>
 #include <set>
 
@@ -31,6 +32,22 @@ TEST(PositionGrid, FindsWhatIsNear) {
         EXPECT_GE(times, apart.norm() <= radius ? 1U : 0U);
       }
     }
+  }
+}
+
+// Positions of a damaged or hostile file.
+TEST(PositionGrid, WhatIsFartherThanAnyDriveIsAtTheEdge) {
+  PositionGrid grid(3);
+  const std::vector<double> far{-1e300, -1e12, 1e12, 1e300,
+                                std::numeric_limits<double>::quiet_NaN()};
+  for (size_t i = 0; i < far.size(); ++i) grid.add(i, {far[i], far[far.size() - 1 - i], 0});
+  grid.add(far.size(), {1, 1, 0});
+  for (size_t i = 0; i < far.size(); ++i) {
+    std::set<size_t> found;
+    grid.for_each_near({far[i], far[far.size() - 1 - i], 0}, 6,
+                       [&](size_t other) { found.insert(other); });
+    EXPECT_TRUE(found.contains(i));
+    EXPECT_FALSE(found.contains(far.size()));
   }
 }
 
