@@ -1,5 +1,6 @@
 #include "drivers/recording/drive_toml.hpp"
 
+#include <algorithm>
 #include <array>
 #include <string_view>
 
@@ -106,8 +107,11 @@ void read_intrinsics_sigma(TomlTable& table, std::optional<IntrinsicsSigma>& sig
   if (table.node(kKey) == nullptr) return;
   std::vector<double> numbers;
   table.read(kKey, 3, numbers);
-  if (numbers.size() != 3 || std::ranges::any_of(numbers, [](double x) { return !(x >= 0); })) {
-    return table.report_error(kKey, std::string(kKey) + " must be three numbers of at least 0");
+  constexpr std::array<double, 3> kMost{10, 100, 1};
+  const auto is_within = [](double x, double most) { return x >= 0 && x <= most; };
+  if (numbers.size() != 3 || !std::ranges::equal(numbers, kMost, is_within)) {
+    return table.report_error(
+        kKey, std::string(kKey) + " must be three numbers: 0 ... 10 %, 0 ... 100 px, 0 ... 1");
   }
   sigma = {numbers[0] / 100, numbers[1], numbers[2]};
 }

@@ -115,6 +115,7 @@ Matrix6 curvature_steps(const Matrix6& information, double range) {
 
 std::string describe_imprecision(const Matrix6& covariance, double max_rotation_sigma,
                                  double max_translation_sigma) {
+  if (!covariance.allFinite()) return "the covariance is not finite";
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> rotation(covariance.topLeftCorner<3, 3>());
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> translation(
       covariance.bottomRightCorner<3, 3>());

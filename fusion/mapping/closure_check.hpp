@@ -11,7 +11,7 @@ namespace infuse::mapping {
 /// Settings of the verification of a loop closure.
 struct ClosureCheckOptions {
   double voxel_size = 0.4;   ///< m, of the clouds that are registered
-  double min_inliers = 0.5;  ///< share of the fixes: most by definition
+  double min_inliers = 0.5;  ///< share of the points with a counterpart
   double min_agreement = registration::kMinPlaceAgreement;  ///< share of what each place can judge
                                                             ///< of the other and supports
   double min_overlap = registration::kMinPlaceOverlap;  ///< share of all points that are supported

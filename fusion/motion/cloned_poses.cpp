@@ -135,7 +135,7 @@ RelativePoseUpdate OdometryState::update_relative_pose(const RelativePose& pose,
   const Directions directions =
       directions_of(options_.planar ? planar_part(pose.information) : pose.information, options_);
   result.informative = directions.count > 0;
-  constexpr double kMaxSpeedSigma = 1;  // m/s, rad/s (decision 17)
+  constexpr double kMaxSpeedSigma = 1;  // m/s (decision 17)
   std::tie(result.speed_sigma, result.rotation_measured) =
       measured_motion(directions, to_seconds(pose.to - pose.from), options_.moves_forward);
   result.speed_measured = result.speed_sigma < kMaxSpeedSigma;

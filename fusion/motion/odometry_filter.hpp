@@ -109,8 +109,10 @@ class OdometryFilter {
   EstimatedParameter delay_of(OdometrySource rates) const;
   void update_wheel_speeds(const WheelOdometry& sample);
   bool wheels_measure_speed() const {
-    return has_wheels() && !arbiter_.is_out(OdometrySource::kWheels) &&
-           !arbiter_.is_out(OdometrySource::kSpeed);
+    const auto measures = [&](OdometrySource source) {
+      return carries(source) && !arbiter_.is_out(source);
+    };
+    return measures(OdometrySource::kWheels) || measures(OdometrySource::kSpeed);
   }
   void update_gnss_speed(double measured);
   void claim_speed(const RelativePose& pose, const RelativePoseUpdate& update, double state_speed);

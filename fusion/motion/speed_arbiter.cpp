@@ -48,7 +48,8 @@ void SpeedArbiter::agree(OdometrySource source, Stamp since) {
     Record& a = at(source);
     Record& b = at(other);
     if (other == source || (a.out && b.out)) continue;
-    if (b.claim.stamp <= since || sigmas_apart(source, other) > 1) continue;
+    if (b.claim.stamp <= since || !is_recent(other, now)) continue;
+    if (sigmas_apart(source, other) > 1) continue;
     a.readmit();
     b.readmit();
     found.stamp = now;
@@ -62,12 +63,15 @@ void SpeedArbiter::correct(double change) {
   for (Record& record : records_) record.claim.error -= change;
 }
 
-bool SpeedArbiter::takes_part(OdometrySource source, Stamp now) const {
-  const Record& record = at(source);
+bool SpeedArbiter::is_recent(OdometrySource source, Stamp now) const {
+  const Stamp stamp = at(source).claim.stamp;
   const Duration silence =
       source == OdometrySource::kGnssSpeed ? options_.max_gnss_silence : options_.max_silence;
-  return !record.out && record.claim.stamp != Stamp::earliest() &&
-         now - record.claim.stamp <= silence;
+  return stamp != Stamp::earliest() && now - stamp <= silence;
+}
+
+bool SpeedArbiter::takes_part(OdometrySource source, Stamp now) const {
+  return !is_out(source) && is_recent(source, now);
 }
 
 // What the vehicle did between the two samples is known to the state, but for its acceleration.

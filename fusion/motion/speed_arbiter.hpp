@@ -70,6 +70,7 @@ class SpeedArbiter {
   };
   Record& at(OdometrySource source) { return records_[static_cast<size_t>(source)]; }
   const Record& at(OdometrySource source) const { return records_[static_cast<size_t>(source)]; }
+  bool is_recent(OdometrySource source, Stamp now) const;
   bool takes_part(OdometrySource source, Stamp now) const;
   double cost(OdometrySource source, Stamp now) const;
   double sigmas_apart(OdometrySource a, OdometrySource b) const;

@@ -78,14 +78,15 @@ void GlobalStart::restart(const std::optional<BelievedPlace>& believed) {
   pending_.clear();
   since_merge_ = driven_ = 0;
   count_alone(false);
-  seeding_ = !spacing_ && !believed;
+  seeding_ = false;
+  if (spacing_) {
+    spread(everywhere(), *spacing_);
+  } else {  // without streets about what is believed, or with too many, all are searched
+    seeding_ = !believed || !spread_in(near(believed->pose)) || hypotheses_.empty();
+  }
   if (seeding_) {
     hypotheses_.clear();
     seeds_->restart();
-  } else if (spacing_) {
-    spread(everywhere(), *spacing_);
-  } else {
-    spread_in(near(believed->pose));
   }
   next_ = hypotheses_.size();
   if (!believed) return;
@@ -155,7 +156,8 @@ void GlobalStart::move(const PlanarPose& motion, const Eigen::Matrix3d& covarian
   collected_.covariance(2, 2) += options_.yaw_noise * options_.yaw_noise * distance;
   collected_.seconds += seconds;
   collected_.length += distance;
-  const int many = static_cast<int>(options_.max_seeded * seconds);
+  // After a gap no more than in a second: the caller waits.
+  const int many = static_cast<int>(options_.max_seeded * std::min(seconds, 1.0));
   if (seeding_) return seed(many);
   go_on_comparing(pending_.empty() ? options_.max_compared : many);
 }

@@ -65,6 +65,10 @@ StreetGrid::StreetGrid(const SegmentMap& map) {
     for (size_t k = 0; k < tile_columns_; ++k) {
       add_tile(static_cast<size_t>(row) / kEdge * tile_columns_ + k, band[k]);
     }
+    if (mixed_.size() > kMaxMixed) {
+      *this = StreetGrid();
+      return;
+    }
   }
 }
 

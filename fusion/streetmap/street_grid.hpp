@@ -22,21 +22,22 @@ struct StreetProfile {
 };
 
 /// Where a map has streets: a cell for each square metre, in tiles of which those without streets
-/// are not stored, so that a city fits in some tens of megabytes and millions of look-ups a second
-/// are cheap. A street keeps its level: from a bridge no way
-/// leads to the street below but at its ends.
+/// are not stored, so that a city of 300 km² fits in 200 MB and millions of look-ups a second are
+/// cheap. A street keeps its level: from a bridge no way leads to the street below but at its ends.
 class StreetGrid {
  public:
   static constexpr int kAnyLevel = 100;      ///< by definition: not known, or two levels are joined
   static constexpr int kBelowGround = -100;  ///< by definition: in a tunnel
   static constexpr double kCell = 1;         ///< m, edge of a cell
   static constexpr double kMaxArea = 1e9;    ///< m², of a map that can be read: bounds memory
-  static constexpr double kProfileReach = 16;  ///< m to either side
+  static constexpr size_t kMaxMixed = 1 << 20;  ///< bounds memory: 64 MB
+  static constexpr double kProfileReach = 16;   ///< m to either side
 
   /// No streets.
   StreetGrid() = default;
 
-  /// Reads the carriageways and crossings of a map; empty if it is larger than `kMaxArea`.
+  /// Reads the carriageways and crossings of a map; empty if it is larger than `kMaxArea`, or if
+  /// more than `kMaxMixed` tiles have streets of several levels.
   explicit StreetGrid(const SegmentMap& map);
 
   bool empty() const { return columns_ == 0; }

@@ -27,7 +27,6 @@ class IrregularTown {
     Eigen::Vector2d at;                // m
     bool east = false, north = false;  // a street leads to the next
   };
-  int index(int column, int row) const { return row * edge_ + column; }
   std::vector<int> next_to(int crossing) const;
 
   int edge_ = 0;  // crossings along it

@@ -27,8 +27,7 @@ inline const Tuning& tuning() {
   return found;
 }
 
-/// A whole number stays one, and differs from its value: 1 is halved to 0 only where that is
-/// another count than 1.
+/// A whole number is rounded: 1 halved stays 1.
 template <class T>
 T tuned(long number, T value) {
   const Tuning& now = tuning();
