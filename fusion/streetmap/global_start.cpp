@@ -62,15 +62,23 @@ GlobalStart::GlobalStart(const SegmentMap& map, const GlobalStartOptions& option
 
 GlobalStart::Cells GlobalStart::everywhere() const { return {0, 0, grid_.columns(), grid_.rows()}; }
 
-GlobalStart::Cells GlobalStart::near(const PlanarPose& pose) const {
+GlobalStart::Cells GlobalStart::near(const PlanarPose& pose, double reach) const {
   const Eigen::Vector2d corner = grid_.middle(0, 0);
   const auto cell = [](double metres) {
     return static_cast<int>(std::clamp(metres / StreetGrid::kCell, -1e6, 1e6));
   };
-  return {std::max(cell(pose.x - corner.x() - kNearby), 0),
-          std::max(cell(pose.y - corner.y() - kNearby), 0),
-          std::min(cell(pose.x - corner.x() + kNearby), grid_.columns()),
-          std::min(cell(pose.y - corner.y() + kNearby), grid_.rows())};
+  return {std::max(cell(pose.x - corner.x() - reach), 0),
+          std::max(cell(pose.y - corner.y() - reach), 0),
+          std::min(cell(pose.x - corner.x() + reach), grid_.columns()),
+          std::min(cell(pose.y - corner.y() + reach), grid_.rows())};
+}
+
+// Of the streets about a pose, as far as there is room for; false if there are none.
+bool GlobalStart::spread_near(const PlanarPose& pose) {
+  for (double reach = kNearby; reach > options_.same_place; reach /= 2) {
+    if (spread_in(near(pose, reach))) return !hypotheses_.empty();
+  }
+  return false;
 }
 
 void GlobalStart::restart(const std::optional<BelievedPlace>& believed) {
@@ -81,8 +89,8 @@ void GlobalStart::restart(const std::optional<BelievedPlace>& believed) {
   seeding_ = false;
   if (spacing_) {
     spread(everywhere(), *spacing_);
-  } else {  // without streets about what is believed, or with too many, all are searched
-    seeding_ = !believed || !spread_in(near(believed->pose)) || hypotheses_.empty();
+  } else {
+    seeding_ = !believed || !spread_near(believed->pose);
   }
   if (seeding_) {
     hypotheses_.clear();

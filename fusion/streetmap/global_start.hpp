@@ -120,7 +120,8 @@ class GlobalStart {
   std::optional<size_t> likeliest(std::span<const PossiblePlace> others) const;
   void weigh_region(const BelievedPlace& believed);
   Cells everywhere() const;
-  Cells near(const PlanarPose& pose) const;
+  Cells near(const PlanarPose& pose, double reach) const;
+  bool spread_near(const PlanarPose& pose);
   std::optional<double> spread_in(const Cells& cells);
   void spread(const Cells& cells, double spacing);
   void seed(int comparisons);

@@ -27,7 +27,7 @@ port = 9469
 TOML
 metrics() {
   exec 5<>/dev/tcp/127.0.0.1/9469 || return 1
-  printf 'GET /metrics HTTP/1.1\r\nHost: vm\r\nConnection: close\r\n\r\n' >&5
+  printf 'GET /metrics HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n' >&5
   tr -d '\r' <&5 >/tmp/metrics
   exec 5>&-
 }

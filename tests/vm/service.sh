@@ -99,7 +99,7 @@ mount -t tmpfs -o size=16k,uid=infuse,gid=infuse,mode=750 none /var/lib/infuse
 systemctl restart infused.service
 head -c 16k /dev/zero >/var/lib/infuse/fill 2>/dev/null
 check "disk full: it is logged, and the daemon continues" within 25 sh -c 'journalctl -u infused -o cat | grep -q "No space left" && systemctl is-active infused'
-check "infuse status says so" within 5 sh -c 'infuse status | grep -q "WARN  state on disk"'
+check "infuse status says so" within 15 sh -c 'infuse status | grep -q "WARN  state on disk"'
 printf '[mqtt]\nhost = "127.0.0.1"\nvehicle = "car"\n' >/etc/infuse/infused.toml.d/broker.toml
 systemctl restart infused.service
 check "and it starts on the full disk, with [mqtt]" within 8 all_ok
