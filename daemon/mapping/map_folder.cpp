@@ -25,7 +25,6 @@ namespace {
 constexpr const char* kMapFormat = "infuse map";
 constexpr int kMapVersion = 3;
 constexpr const char* kCloudEnding = ".pcd.zst";
-constexpr size_t kLeftoverSuffix = 7;  // characters, of `write_file_atomically`
 constexpr size_t kMaxMapFileBytes = size_t{256} << 20;
 constexpr std::array kMapFileNames{
     map_file::kDrive,    map_file::kKeyframes,       map_file::kFixes, map_file::kPlaces,
@@ -47,8 +46,7 @@ bool is_cloud_name(std::string_view name) {
 /// True for what a map has in its clouds' folder: clouds, and what an interrupted write leaves.
 bool is_cloud_file(const std::string& name) {
   return name.starts_with('.') || is_cloud_name(name) ||
-         (name.size() > kLeftoverSuffix && name[name.size() - kLeftoverSuffix] == '.' &&
-          is_cloud_name(std::string_view(name).substr(0, name.size() - kLeftoverSuffix)));
+         is_cloud_name(recording::target_of_temporary(name));
 }
 
 /// Fails if a folder that may exist holds a file that no map has.
@@ -66,18 +64,18 @@ Result<void> check_names(const std::filesystem::path& folder, IsOurs is_ours) {
   return {};
 }
 
-/// Removes the temporary files that an interrupted write leaves: a name and six more characters.
+/// Removes the temporary files that an interrupted write leaves.
 void remove_leftovers(const std::filesystem::path& folder) {
   std::error_code error;
   std::vector<std::filesystem::path> leftovers;
   for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end;
        it.increment(error)) {
     const std::string name = it->path().filename().string();
-    const std::string stem = name.substr(0, name.size() - std::min(name.size(), kLeftoverSuffix));
+    const std::string_view stem = recording::target_of_temporary(name);
     const bool is_ours = stem.ends_with(".zst") || stem.ends_with(".csv") ||
                          stem.ends_with(".json") || stem.ends_with(".g2o") ||
                          stem.ends_with(".tum") || stem.ends_with(".bin");
-    if (is_ours && name[stem.size()] == '.') leftovers.push_back(it->path());
+    if (is_ours) leftovers.push_back(it->path());
   }
   for (const auto& leftover : leftovers) std::filesystem::remove(leftover, error);
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fusion/motion/wheel_speeds.hpp"
+
 namespace infuse::daemon {
 namespace {
 
@@ -64,15 +66,8 @@ void OdometryTracker::add(const VehicleSample& sample) {
 }
 
 void OdometryTracker::see_rest(const WheelOdometry& sample) {
-  bool measured = false, rest = true;
-  const auto look = [&](double speed) {
-    if (!std::isfinite(speed)) return;
-    measured = true;
-    rest = rest && std::abs(speed) <= standstill_speed_;
-  };
-  std::for_each(sample.wheel_speed.begin(), sample.wheel_speed.end(), look);
-  look(sample.speed);
-  if (measured) wheels_rest_ = rest;
+  if (motion::measured_speeds(sample) == 0) return;
+  wheels_rest_ = motion::is_at_rest(sample, standstill_speed_);
 }
 
 // An inertial unit of the vehicle is better, and the filter has the biases of one unit only.

@@ -13,6 +13,8 @@
 namespace infuse::recording {
 namespace {
 
+constexpr std::string_view kSuffix = ".XXXXXX";  // of temporary files, by mkostemp(3)
+
 using host::fail_errno;
 using host::FileDescriptor;
 
@@ -37,7 +39,7 @@ Result<void> write_file_atomically(const std::filesystem::path& path,
                 "name another file to write");
   }
   const mode_t kept = replaces ? present.st_mode & 07777 : 0644;
-  std::string temporary = path.string() + ".XXXXXX";
+  std::string temporary = path.string() + std::string(kSuffix);
   const FileDescriptor file(::mkostemp(temporary.data(), O_CLOEXEC));
   if (!file) {
     return fail_errno("cannot be written", path.string(),
@@ -56,6 +58,12 @@ Result<void> write_file_atomically(const std::filesystem::path& path,
       ::open(path.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (folder) ::fsync(folder.get());
   return {};
+}
+
+std::string_view target_of_temporary(std::string_view name) {
+  if (name.size() <= kSuffix.size()) return {};
+  const size_t stem = name.size() - kSuffix.size();
+  return name[stem] == kSuffix.front() ? name.substr(0, stem) : std::string_view();
 }
 
 }  // namespace infuse::recording

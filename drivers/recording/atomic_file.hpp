@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include "drivers/measurement/error.hpp"
 
@@ -18,5 +19,9 @@ namespace infuse::recording {
 Result<void> write_file_atomically(const std::filesystem::path& path,
                                    std::span<const std::byte> bytes,
                                    std::optional<mode_t> mode = std::nullopt);
+
+/// The name of the file that a temporary one, which an interrupted write left, was to become; empty
+/// for other names.
+std::string_view target_of_temporary(std::string_view name);
 
 }  // namespace infuse::recording

@@ -6,11 +6,10 @@
 namespace infuse::motion {
 namespace {
 
-constexpr double kEarthRadius = 6.371e6;       // m, mean of WGS 84
-constexpr double kPositionTolerance = 10;      // m, of good fixes (decision 17)
-constexpr double kRelativeTolerance = 0.01;    // of the distance, of odometry (decision 17)
-constexpr double kSureHeading = 0.05;          // rad (decision 17)
-constexpr Duration kMaxDoubt{60'000'000'000};  // ns; then it is believed again (decision 17)
+constexpr double kEarthRadius = 6.371e6;     // m, mean of WGS 84
+constexpr double kPositionTolerance = 10;    // m, of good fixes (decision 17)
+constexpr double kRelativeTolerance = 0.01;  // of the distance, of odometry (decision 17)
+constexpr double kSureHeading = 0.05;        // rad (decision 17)
 
 }  // namespace
 
@@ -18,7 +17,7 @@ std::optional<bool> GnssPositionCheck::check(const GnssFix& fix, const Eigen::Ve
                                              const EstimatedParameter& east_heading) {
   if (!std::isfinite(fix.latitude) || !std::isfinite(fix.longitude)) return std::nullopt;
   const Believed here{fix.stamp, fix.latitude, fix.longitude, position.head<2>()};
-  if (!believed_ || fix.stamp < believed_->stamp || fix.stamp - believed_->stamp > kMaxDoubt) {
+  if (!believed_ || fix.stamp < believed_->stamp || fix.stamp - believed_->stamp > kMaxGnssDoubt) {
     believed_ = here;
     return std::nullopt;
   }

@@ -8,6 +8,9 @@
 
 namespace infuse::motion {
 
+/// After so long a receiver that is doubted is believed again, ns (decision 17).
+inline constexpr Duration kMaxGnssDoubt{60'000'000'000};
+
 /// Compares the positions of a GNSS receiver with odometry: a fix must lie where odometry leads
 /// from the last one that was believed. Positions are never used for the pose.
 class GnssPositionCheck {

@@ -61,13 +61,12 @@ void OdometryFilter::update_wheel_speeds(const WheelOdometry& sample) {
 
 void OdometryFilter::update_gnss_speed(double measured) {
   constexpr OdometrySource kSource = OdometrySource::kGnssSpeed;
-  constexpr Duration kMaxDoubt{60'000'000'000};  // ns; then it is believed again (decision 17)
   const double interval =
       last_gnss_speed_stamp_ == Stamp::earliest() ? 0 : to_seconds(now_ - last_gnss_speed_stamp_);
   const double noise = gnss_speed_noise(options_, interval);
   last_gnss_speed_stamp_ = now_;
   const auto [error, sigma] = state_.gnss_speed_error(measured, noise);
-  arbiter_.add(kSource, {now_, state_.speed() + error, error, sigma}, kMaxDoubt);
+  arbiter_.add(kSource, {now_, state_.speed() + error, error, sigma}, kMaxGnssDoubt);
   if (arbiter_.is_out(kSource)) return record(kSource, false);
   bool accepted = state_.update_gnss_speed(measured, noise);
   const Stamp agreed = arbiter_.agreement().stamp;

@@ -8,7 +8,8 @@ namespace infuse::motion {
 namespace {
 
 constexpr double kMaxAcceleration = 12;  // m/s²: tyres on a dry road hold 1.2 g
-// Where nothing else decides, the first is believed: wheels slip, a registration seldom errs twice.
+// Where the costs are equal, the first of these is believed: wheels slip more often than a
+// registration errs.
 constexpr OdometrySource kByTrust[] = {OdometrySource::kLidar, OdometrySource::kWheels,
                                        OdometrySource::kSpeed, OdometrySource::kGnssSpeed};
 

@@ -171,11 +171,13 @@ void GlobalStart::move(const PlanarPose& motion, const Eigen::Matrix3d& covarian
 }
 
 void GlobalStart::seed(int comparisons) {
-  if (collected_.length >= options_.independent_length ||
-      std::abs(collected_.motion.yaw) > kStepYaw) {
+  const bool added = collected_.length >= options_.independent_length ||
+                     std::abs(collected_.motion.yaw) > kStepYaw;
+  if (added) {
     seeds_->add(collected_);
     collected_ = {};
   }
+  if (!added && !seeds_->is_running()) return;
   if (!seeds_->search(grid_, comparisons)) return;
   if (seeds_->found().empty()) return restart();
   seeding_ = false;

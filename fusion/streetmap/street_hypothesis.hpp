@@ -46,14 +46,6 @@ struct DriveStretch {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   double seconds = 0;
   double length = 0;  ///< m
-
-  /// Goes on by another.
-  void add(const DriveStretch& next) {
-    motion = motion.compose(next.motion);
-    covariance += next.covariance;
-    seconds += next.seconds;
-    length += next.length;
-  }
 };
 
 /// Hypothesis of the global start: a normal distribution of x, y (m), yaw (rad), the scale of the

@@ -33,6 +33,9 @@ class StreetSeeds {
   /// compared.
   bool search(const StreetGrid& grid, int comparisons);
 
+  /// True while a search goes on; else it begins with the next stretch at the earliest.
+  bool is_running() const { return running_; }
+
   /// The hypotheses that are left, which the caller may take away.
   std::vector<StreetHypothesis>& found() { return found_; }
   /// The drive that they have not been compared after.
