@@ -53,6 +53,9 @@ TEST(DriveToml, ErrorsStateTheLineAndTheRemedy) {
               HasSubstr("readout_ms must be between -200 and 200"));
   EXPECT_THAT(parse_message(replace_in_drive("readout_ms = 20", "intrinsics_sigma = [0.2, -1, 0]")),
               HasSubstr("intrinsics_sigma must be three numbers: 0 ... 10 %"));
+  EXPECT_THAT(
+      parse_message(replace_in_drive("readout_ms = 20", "intrinsics_sigma = [0.2, 1e200, 0]")),
+      HasSubstr("intrinsics_sigma must be three numbers: 0 ... 10 %"));
   EXPECT_THAT(parse_message(replace_in_drive("12.5", "1e99")),
               HasSubstr("stamp_delay_ms must lie within"));
   EXPECT_THAT(parse_message(replace_in_drive("yaw_rate =", "yaw_rat =")),

@@ -183,6 +183,29 @@ TEST(SlowErrors, ATurnAtRestIsNotLearnedAsABias) {
   EXPECT_NEAR(filter.report().yaw_rate_bias.value, 0.003, 0.001);
 }
 
+// Wheels that were out while the vehicle was carried measure its speed again once it drives.
+TEST(SlowErrors, WheelsMeasureAgainAfterTheVehicleWasCarried) {
+  const TrueDrive drive(40, [](double t) {
+    geometry::Vector6 twist = geometry::Vector6::Zero();
+    twist[2] = t > 5 && t < 10 ? 10 * kDegree : 0;
+    twist[3] = std::clamp(2 * (t - 15), 0.0, 8.0);
+    return twist;
+  });
+  SimulatedSensors sensors(drive, 5);
+  OdometryOptions options;
+  options.planar = false;
+  OdometryFilter filter(options);
+  bool was_out = false;
+  for (int i = 0; i < 1900; ++i) {
+    const double t = 0.02 * i;
+    filter.add(wheels_of(drive, sensors, t, 0));
+    filter.add(sensors.gyro(t, {0, 0, 0}));
+    was_out = was_out || (t > 6 && t < 10 && !filter.wheels_measure_motion());
+  }
+  EXPECT_TRUE(was_out);
+  EXPECT_TRUE(filter.wheels_measure_motion());
+}
+
 // The course of a receiver beside the axle, in bends, is not the heading, and it is late.
 TEST(SlowErrors, ACourseThatSlipsLeavesTheHeading) {
   constexpr double kSideSlip = 0.006, kLever = 1.0, kDelay = 0.15;  // rad per m/s², m, s
