@@ -270,7 +270,7 @@ std::string MapFolder::trajectory_name(size_t drive) {
 
 Result<std::string> MapFolder::write_cloud(size_t keyframe, const mapping::Submap& cloud) const {
   const auto bytes = compress_cloud(cloud);
-  if (!bytes) return bytes;
+  if (!bytes) return tl::unexpected(bytes.error());
   return write(cloud_name(keyframe), *bytes).map([&] { return text::checksum(*bytes); });
 }
 
