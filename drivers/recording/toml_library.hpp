@@ -10,6 +10,7 @@
 // it must in every build.
 #define TOML_ASSERT(condition) static_cast<void>(0)
 // clang-format off
+#include <cstdint>  // which the header below needs
 #include <toml++/impl/preprocessor.h>
 // The compiler must not assume them either: clang without assertions uses __builtin_assume here.
 #undef TOML_ASSERT_ASSUME

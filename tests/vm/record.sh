@@ -58,7 +58,10 @@ ip link set vcan0 up
 hush_bus; play_bus
 flight=$(ls -d $drives/alert-*bus_unavailable)
 first=$(sed -n '1s/^(\([0-9]*\).*/\1/p' "$flight/can.log") last=$(sed -n '$s/^(\([0-9]*\).*/\1/p' "$flight/can.log")
-check "with $((last - first)) s of CAN frames" test $((last - first)) -ge 2
+check "with $((last - first)) s of CAN frames" test $((last - first)) -ge 2 || {
+  ls -l "$flight"; sed -n '1p;$p' "$flight/can.log"; sed -n 1,20p "$flight/drive.toml"
+  journalctl -u infused -o short-unix --no-pager | grep vcan0 | tail -n 5
+}
 check "and it replays" sh -c "infused --replay $flight --socket /tmp/replay.sock --json >/tmp/replay.json && grep -q '\"sweeps\":[1-9][0-9]' /tmp/replay.json"
 mount -t tmpfs -o size=2m,uid=infuse,gid=infuse,mode=750 none $drives
 systemctl restart infused.service  # it sees mounts made before its start only
