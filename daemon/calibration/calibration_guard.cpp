@@ -114,7 +114,7 @@ void CalibrationGuard::search_drift(Stamp now) {
   if (!monitor_.search_due() || search_.busy()) return;
   monitor_.begin_search();
   search_.start(now, from_seconds(kSearchDelay),
-                [this](const std::stop_token&) { monitor_.run_search(); });
+                [this](const std::stop_token& stop) { monitor_.run_search(stop); });
 }
 
 void CalibrationGuard::start_reestimation(const monitoring::SupervisorActions& actions, Stamp now) {

@@ -1,7 +1,6 @@
 #include "daemon/service/map_watch.hpp"
 
 #include <pthread.h>
-#include <sched.h>
 #include <spdlog/spdlog.h>
 #include <sys/stat.h>
 
@@ -10,6 +9,7 @@
 #include <utility>
 
 #include "daemon/process/crash_note.hpp"
+#include "daemon/process/idle_thread.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -52,8 +52,7 @@ void MapWatch::poll(Clock::time_point now) {
       std::async(std::launch::async, [this, in_use = in_use_.digest]() -> Result<std::string> {
         ::pthread_setname_np(::pthread_self(), "maps");
         use_crash_stack();
-        const sched_param none{};
-        ::pthread_setschedparam(::pthread_self(), SCHED_IDLE, &none);
+        make_idle(::pthread_self());
         try {
           return replace_(in_use, stop_.get_token());
         } catch (const std::exception& failed) {  // no memory, no thread

@@ -201,8 +201,9 @@ void CalibrationMonitor::begin_search() {
   if (led_ && led_->support > 0) job_.known = led_->estimate.moved;
 }
 
-void CalibrationMonitor::run_search() {
-  job_.found = search_.find(job_.T_camera_lidar, job_.known, job_.scenes, job_.noise, camera_);
+void CalibrationMonitor::run_search(const std::stop_token& stop) {
+  job_.found =
+      search_.find(job_.T_camera_lidar, job_.known, job_.scenes, job_.noise, camera_, stop);
 }
 
 void CalibrationMonitor::finish_search() {

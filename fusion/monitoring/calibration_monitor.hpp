@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <stop_token>
 #include <string>
 
 #include "fusion/monitoring/camera_assignment.hpp"
@@ -83,7 +84,7 @@ class CalibrationMonitor {
   /// Begins a search: keeps what it compares.
   void begin_search();
   /// Does the search that was begun; on any thread, beside `process`.
-  void run_search();
+  void run_search(const std::stop_token& stop = {});
   /// Takes the search's result into use.
   void finish_search();
 

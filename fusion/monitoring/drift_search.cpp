@@ -57,6 +57,7 @@ void DriftSearch::add(const ComparedPlanes& planes, const ComparedReturns& retur
 }
 
 double DriftSearch::value_at(const Vector6& moved, Detail detail) {
+  if (stop_.stop_requested()) return 0;
   const Eigen::Isometry3d T = geometry::exp(moved) * T_camera_lidar_;
   double sum = 0;
   for (size_t k = 0; k < count_; ++k) {
@@ -260,8 +261,9 @@ void DriftSearch::compare_axes(const Vector6& moved, const Matrix6& information,
 
 DriftEstimate DriftSearch::find(const Eigen::Isometry3d& T_camera_lidar,
                                 const std::optional<Vector6>& known, size_t scenes, double noise,
-                                const geometry::CameraModel& camera) {
+                                const geometry::CameraModel& camera, const std::stop_token& stop) {
   T_camera_lidar_ = T_camera_lidar;
+  stop_ = stop;
   camera_ = &camera;
   count_ = std::min(scenes, kScenes);
   noise_ = noise;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <stop_token>
 
 #include "fusion/geometry/rigid_motion.hpp"
 #include "fusion/monitoring/axis.hpp"
@@ -40,10 +41,11 @@ class DriftSearch {
 
   /// Searches around `T_camera_lidar` in the last `scenes`, at most `kScenes` and as many as were
   /// added; only near the calibration and near `known` if that is given. `noise`: what the sum of
-  /// dependence is divided by to be a log-likelihood, nats.
+  /// dependence is divided by to be a log-likelihood, nats. Returns soon after a stop was
+  /// requested, with what means nothing.
   DriftEstimate find(const Eigen::Isometry3d& T_camera_lidar,
                      const std::optional<geometry::Vector6>& known, size_t scenes, double noise,
-                     const geometry::CameraModel& camera);
+                     const geometry::CameraModel& camera, const std::stop_token& stop = {});
 
   static constexpr size_t kScenes = 8;  ///< that are kept (decision 17)
 
@@ -83,6 +85,7 @@ class DriftSearch {
   // Of the present search.
   Eigen::Isometry3d T_camera_lidar_ = Eigen::Isometry3d::Identity();
   const geometry::CameraModel* camera_ = nullptr;
+  std::stop_token stop_;
   size_t count_ = 0;
   double noise_ = 1;
   static constexpr size_t kCandidates = 5;  ///< peaks that are kept (decision 17)

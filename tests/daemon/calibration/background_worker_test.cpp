@@ -2,6 +2,8 @@
 #include "tests/stamp_at.hpp"
 
 #include <gtest/gtest.h>
+#include <sched.h>
+#include <unistd.h>
 
 #include <atomic>
 
@@ -90,6 +92,26 @@ TEST(Background, ShutDownFromAnotherThreadUnblocks) {
   background.start(at(2), Duration::zero(), [&](const std::stop_token&) { began = true; });
   EXPECT_FALSE(background.consume_result(at(3)));
   EXPECT_FALSE(began);
+}
+
+TEST(Background, WorkThatIsToEndHasItsShareOfTheProcessorAgain) {
+  if (::geteuid() != 0) GTEST_SKIP() << "needs root, or RLIMIT_NICE";
+  std::atomic<int> during = -1;
+  bool ordinary = false;
+  {
+    BackgroundWorker background(false);
+    background.start(at(0), kTenSeconds, [&](const std::stop_token& stop) {
+      during = ::sched_getscheduler(0);
+      endless(stop);
+      for (int k = 0; k < 1000 && !ordinary; ++k) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        ordinary = ::sched_getscheduler(0) == SCHED_OTHER;
+      }
+    });
+    while (during < 0) std::this_thread::yield();
+  }
+  EXPECT_EQ(during, SCHED_IDLE);
+  EXPECT_TRUE(ordinary);
 }
 
 TEST(Background, DestructionStopsTheRunningWork) {

@@ -120,5 +120,15 @@ TEST(DriftSearch, FollowsAKnownPoseAndAllocatesNothing) {
   EXPECT_LT((again.moved - first.moved).head<3>().norm(), 0.2 * kDegree);
 }
 
+TEST(DriftSearch, AStoppedOneComparesNothing) {
+  DriftSearch search({});
+  const Places places(search, knocked(4 * kDegree * Vector6::Unit(1)));
+  std::stop_source stop;
+  stop.request_stop();
+  const DriftEstimate found = search.find(true_T_camera_lidar(), std::nullopt, kPlaces, kNoise,
+                                          places.camera(), stop.get_token());
+  EXPECT_EQ(found.gain, DriftEstimate().gain);
+}
+
 }  // namespace
 }  // namespace infuse::monitoring
