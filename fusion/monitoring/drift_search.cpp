@@ -69,6 +69,7 @@ double DriftSearch::value_at(const Vector6& moved, Detail detail) {
 }
 
 double DriftSearch::value_late(double delay) {
+  if (stop_.stop_requested()) return 0;
   double sum = 0;
   for (size_t k = 0; k < count_; ++k) {
     const Scene& scene = recent(k);

@@ -30,6 +30,7 @@ metrics() {
   printf 'GET /metrics HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n' >&5
   tr -d '\r' <&5 >/tmp/metrics
   exec 5>&-
+  grep -q infuse_ /tmp/metrics
 }
 # figure NAME LABELS: value of one metric in the last scrape.
 figure() { awk -v name="$1{$2}" '$1 == name {printf "%d", $2}' /tmp/metrics; }
@@ -62,7 +63,7 @@ sleep 2
 ip netns exec car /proof/infuse-send-capture /proof/tail.pcap --to 10.77.0.2 >/tmp/sent_after
 for _ in 1 2 3; do cansend vcan0 123#00; sleep 0.1; done
 sleep 3
-metrics
+check "the metrics are served after it" within 10 metrics || journalctl -u infused -o short-monotonic --no-pager | tail -n 25
 seconds=$(awk -v a="$time_before" -v b="$(steady_s)" 'BEGIN {print b - a}')
 packets=$(figure infuse_lidar_packets_total 'device="top"')
 positions=$(figure infuse_lidar_position_packets_total 'device="top"')
