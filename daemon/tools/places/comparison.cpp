@@ -181,7 +181,8 @@ Result<Comparison> compare_sweeps(const ComparisonRequest& request, SimilarityTa
 /// Adds the answers of `matches`, with how probable they are by chance.
 void answer(const std::vector<places::SequenceMatch>& matches,
             const places::MatchEvidence& evidence, Comparison& out) {
-  for (const auto& match : matches) out.answers.push_back({match, evidence.chance(match)});
+  const std::vector<double> chances = evidence.chances(matches);
+  for (size_t k = 0; k < matches.size(); ++k) out.answers.push_back({matches[k], chances[k]});
 }
 
 void match_table(const SimilarityTable& table, const ComparisonRequest& request, Comparison& out) {
