@@ -6,6 +6,7 @@
 #include "tests/study/places/other_houses.hpp"
 #include "tests/study/places/place_study.hpp"
 #include "tests/study/places/recognition_study.hpp"
+#include "tests/study/places/upright.hpp"
 #include "tests/study/resume.hpp"
 #include "tests/study/study_commands.hpp"
 
@@ -97,6 +98,29 @@ void add_houses_command(CLI::App& app) {
   });
 }
 
+/// Adds the study of how upright maps are.
+void add_upright_command(CLI::App& app) {
+  static std::string map, rows;
+  static uint64_t seed = 8001;
+  static int drives = 40;
+  static bool quick = false;
+  CLI::App* command = app.add_subcommand(
+      "upright", "how upright maps of simulated drives are, with and without GNSS, inertial unit");
+  command->add_option("MAP", map, "fixtures/maps/altfeld.osm")->required();
+  command->add_option("ROWS", rows, "CSV of the trials; drives in it are not tried again")
+      ->required();
+  command->add_option("--seed", seed, "of the first drive")->capture_default_str();
+  command->add_option("--drives", drives, "number of drives")->capture_default_str();
+  command->add_flag("--quick", quick, "six drives");
+  command->callback([] {
+    const auto trials = resume<UprightTrial>(rows, seed, quick ? 6 : drives, read_upright_trials,
+                                             write_upright_header, write_upright_trial,
+                                             [](uint64_t k) { return try_upright(map, k); });
+    if (!trials) throw CLI::FileError(rows + ": cannot be written");
+    write_upright_table(std::cout, *trials);
+  });
+}
+
 }  // namespace
 
 void add_places_commands(CLI::App& app) {
@@ -106,6 +130,7 @@ void add_places_commands(CLI::App& app) {
   add_recognition_command(app);
   add_images_command(app);
   add_houses_command(app);
+  add_upright_command(app);
 }
 
 }  // namespace infuse::study
