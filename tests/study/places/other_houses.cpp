@@ -21,9 +21,9 @@ namespace {
 const std::vector<int64_t> kHousesMapRoute{115, 116, 117, 118, 119, 124, 107};
 const std::vector<int64_t> kHousesVisitRoute{116, 117, 118, 119, 124};
 constexpr uint64_t kOtherHouses = 100'000;  // added to the seed of a town
-constexpr double kSweepSpacing = 1, kStartSpacing = 30, kLongestSearch = 60;  // m
-constexpr double kTrackedOn = 20;  // m after it was found
-constexpr double kWrongPlace = 1;  // m
+constexpr double kSweepSpacing = 1, kStartSpacing = 30, kMaxSearch = 60;  // m
+constexpr double kTrackedOn = 20;                                         // m after it was found
+constexpr double kWrongPlace = 1;                                         // m
 // Of the true motion, stated: as good as wheels and a lidar.
 constexpr double kMotionRotation = 3e-4, kMotionTranslation = 5e-3;  // rad, m
 
@@ -123,7 +123,7 @@ std::vector<HousesTrial> try_visit(const places::PlaceMap& map, simulator::Simul
     for (const auto& open : trials) {
       HousesTrial& t = open->trial;
       const double driven = way - t.start;
-      open->ended = open->ended || driven > (t.found < 0 ? kLongestSearch : t.found + kTrackedOn);
+      open->ended = open->ended || driven > (t.found < 0 ? kMaxSearch : t.found + kTrackedOn);
       if (open->ended) continue;
       const auto pose = open->localiser.add(points, reflectivity, motion);
       if (!pose) throw std::runtime_error(pose.error().message());

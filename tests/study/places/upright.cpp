@@ -23,7 +23,8 @@
 namespace infuse::study {
 namespace {
 
-constexpr std::array<const char*, 3> kShapes{"straight", "bent", "bent, hills of 3 %"};
+constexpr std::array<const char*, 3> kShapes{"along a street", "with turns",
+                                             "with turns, hills of 3 %"};
 constexpr double kAllowed = 0.5 * kDegree;
 constexpr double kQuantile = 3.03;  // 99 % of χ² with 2 degrees of freedom is 9.21
 

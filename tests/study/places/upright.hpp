@@ -10,7 +10,7 @@ namespace infuse::study {
 /// How upright the map of a drive is.
 struct UprightTrial {
   uint64_t seed = 0;
-  int shape = 0;      ///< 0 straight, 1 bent, 2 bent and hilly
+  int shape = 0;      ///< 0 along a street, 1 with turns, 2 with turns and hills
   bool gnss = false;  ///< the map uses fixes
   bool imu = false;   ///< the drive has an inertial unit
   double tilt = 0;    ///< rad, of the vertical at the keyframe where it errs most

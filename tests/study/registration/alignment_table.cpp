@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <ostream>
 #include <stdexcept>
 
@@ -95,6 +96,46 @@ void AlignmentTable::write(std::ostream& out) const {
         median_and_maximum(normalised).first,
         sum / static_cast<double>(std::max<size_t>(1, normalised.size())));
   }
+}
+
+std::string cycle_errors(const RecordedScans& recorded, size_t length) {
+  const auto& [cameras, scans] = recorded;
+  double sum = 0, largest = 0, translation = 0;
+  size_t cycles = 0, missing = 0;
+  for (size_t first = 2; first + 2 * length < scans.size(); first += length) {
+    const auto align = [&](size_t target, size_t source) {
+      const auto images_there = images_of(scans[target], cameras);
+      const auto images_here = images_of(scans[source], cameras);
+      auto aligned = registration::align_by_keypoints(
+          {features::make_sweep_view(scans[target].sweep), images_there},
+          {features::make_sweep_view(scans[source].sweep), images_here});
+      if (!aligned) throw std::runtime_error(aligned.error().message());
+      return aligned->result;
+    };
+    const auto there = align(first, first + length);
+    const auto on = align(first + length, first + 2 * length);
+    const auto both = align(first, first + 2 * length);
+    if (!there.usable() || !on.usable() || !both.usable()) {
+      ++missing;
+      continue;
+    }
+    const geometry::Vector6 error =
+        geometry::log(there.T_target_source * on.T_target_source * both.T_target_source.inverse());
+    const geometry::Matrix6 covariance =
+        there.covariance + geometry::transform_covariance(there.T_target_source, on.covariance) +
+        both.covariance;
+    const double normalised = error.dot(covariance.ldlt().solve(error)) / 6;
+    sum += normalised;
+    largest = std::max(largest, normalised);
+    translation += error.tail<3>().squaredNorm();
+    ++cycles;
+  }
+  const auto count = static_cast<double>(std::max<size_t>(1, cycles));
+  return fmt::format(
+      "VB-GICP around {} cycles of {}, {} and {} sweeps ({} not usable): squared error over its "
+      "covariance a direction {:.2f}, at most {:.2f}; rms {:.1f} mm",
+      cycles, length, length, 2 * length, missing, sum / count, largest,
+      1000 * std::sqrt(translation / count));
 }
 
 AlignmentTable simulated_alignment_table(const SimulatedTableOptions& options) {

@@ -2,6 +2,7 @@
 
 #include <iosfwd>
 #include <map>
+#include <string>
 #include <vector>
 
 #include "tests/study/registration/recorded_scans.hpp"
@@ -48,5 +49,10 @@ AlignmentTable simulated_alignment_table(const SimulatedTableOptions& options);
 /// first is not known) with each of the 20 after it, in rows of 1 to 5, 6 to 10, 11 to 15 and 16 to
 /// 20 sweeps. Throws std::runtime_error.
 AlignmentTable recorded_alignment_table(const RecordedScans& recorded, size_t step);
+
+/// Errors of VB-GICP that need no reference: of sweep a to b, b to c and a to c, `length` sweeps
+/// apart, around the cycle, over the sum of their covariances. What is wrong with a sweep itself
+/// does not show. Throws std::runtime_error.
+std::string cycle_errors(const RecordedScans& recorded, size_t length);
 
 }  // namespace infuse::study
