@@ -59,7 +59,10 @@ MatchEvidence::MatchEvidence(const std::vector<SequenceMatch>& by_chance, size_t
 
 std::vector<double> MatchEvidence::chances(const std::vector<SequenceMatch>& matches) const {
   std::vector<double> out(matches.size(), 1);
-  if (!(margin_.spread > 0)) return out;
+  const bool finite = std::all_of(matches.begin(), matches.end(), [](const SequenceMatch& match) {
+    return std::isfinite(match.margin);
+  });
+  if (!finite || !(margin_.spread > 0)) return out;
   // It begins with what few lead by through chance.
   for (size_t i = 0; i < matches.size(); ++i)
     out[i] = matches[i].margin > margin_.mean + 2 * margin_.spread ? 0 : 1;
