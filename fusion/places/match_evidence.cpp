@@ -3,16 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace infuse::places {
 namespace {
 
 /// Fewest sequences that do not overlap that have a spread by definition.
 constexpr double kMinSequences = 2;
-/// Standard deviations of an estimate of the spread from n sequences, as a share of it: about
-/// 1 / sqrt(2 n) for a normal distribution, twice that and more for the tail of greatest values
-/// (decision 17).
-constexpr double kSpreadError = 2;
+/// Standard deviation of an estimate of the spread from n sequences, as a share of it, times
+/// sqrt(n): 1 / sqrt(2) for a normal distribution, more for the tail of greatest values (decision
+/// 17).
+constexpr double kSpreadError = 1;
+constexpr int kIterations = 100;  // of expectation and maximisation; bounds time
 
 MatchEvidence::Chance chance_of(const std::vector<double>& values, double sequences) {
   const auto n = static_cast<double>(values.size());
@@ -37,30 +39,63 @@ SimilarityTable in_reverse(const SimilarityTable& similarity) {
 
 }  // namespace
 
-double MatchEvidence::Chance::exceeded(double value) const {
-  if (!(spread > 0) || !std::isfinite(value)) return 1;
-  // The greatest of many: Gumbel, by its mean and standard deviation.
-  const double z = (value - mean) / spread * std::numbers::pi / std::sqrt(6.0);
-  return -std::expm1(-std::exp(-(z + std::numbers::egamma)));
+double MatchEvidence::Chance::density(double value) const {
+  const double per_unit = std::numbers::pi / (std::sqrt(6.0) * spread);
+  const double z = (value - mean) * per_unit + std::numbers::egamma;
+  return per_unit * std::exp(-z - std::exp(-z));
 }
 
 MatchEvidence::MatchEvidence(const SimilarityTable& similarity, const SequenceMatchOptions& options)
     : MatchEvidence(match_sequences(in_reverse(similarity), options), options.length) {}
 
 MatchEvidence::MatchEvidence(const std::vector<SequenceMatch>& by_chance, size_t length) {
-  std::vector<double> scores, margins;
+  std::vector<double> margins;
   for (const SequenceMatch& match : by_chance) {
-    if (!std::isfinite(match.score) || !std::isfinite(match.margin)) continue;
-    scores.push_back(match.score);
-    margins.push_back(match.margin);
+    if (std::isfinite(match.margin)) margins.push_back(match.margin);
   }
-  const double sequences = static_cast<double>(scores.size()) / static_cast<double>(length);
-  score_ = chance_of(scores, sequences);
+  const double sequences = static_cast<double>(margins.size()) / static_cast<double>(length);
   margin_ = chance_of(margins, sequences);
 }
 
-double MatchEvidence::chance(const SequenceMatch& match) const {
-  return std::max(score_.exceeded(match.score), margin_.exceeded(match.margin));
+std::vector<double> MatchEvidence::chances(const std::vector<SequenceMatch>& matches) const {
+  std::vector<double> out(matches.size(), 1);
+  const bool finite = std::all_of(matches.begin(), matches.end(), [](const SequenceMatch& match) {
+    return std::isfinite(match.margin);
+  });
+  if (!finite || !(margin_.spread > 0)) return out;
+  // It begins with what few lead by through chance.
+  for (size_t i = 0; i < matches.size(); ++i)
+    out[i] = matches[i].margin > margin_.mean + 2 * margin_.spread ? 0 : 1;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    double sum = 0, first = 0, second = 0;  // of what is right
+    for (size_t i = 0; i < matches.size(); ++i) {
+      sum += 1 - out[i];
+      first += (1 - out[i]) * matches[i].margin;
+    }
+    if (!(sum > 0)) break;
+    const double share = (sum + 1) / (static_cast<double>(matches.size()) + 2);  // Laplace's rule
+    // What is right leads by more than chance does.
+    const double mean = std::max(first / sum, margin_.mean + margin_.spread);
+    for (size_t i = 0; i < matches.size(); ++i)
+      second += (1 - out[i]) * (matches[i].margin - mean) * (matches[i].margin - mean);
+    const double spread = std::max(std::sqrt(second / sum), margin_.spread / 2);
+    for (size_t i = 0; i < matches.size(); ++i) {
+      const double margin = matches[i].margin, z = (margin - mean) / spread;
+      const double right =
+          share * std::exp(-z * z / 2) / (spread * std::sqrt(2 * std::numbers::pi));
+      const double by_chance = (1 - share) * margin_.density(margin);
+      // Far from both, where both vanish, by the side.
+      out[i] = right + by_chance > 0 ? by_chance / (right + by_chance) : margin > mean ? 0 : 1;
+    }
+  }
+  // In the tail of the wider distribution too a greater margin is no less probable.
+  std::vector<size_t> order(matches.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::sort(order.begin(), order.end(),
+            [&](size_t a, size_t b) { return matches[a].margin < matches[b].margin; });
+  for (size_t k = 1; k < order.size(); ++k)
+    out[order[k]] = std::min(out[order[k]], out[order[k - 1]]);
+  return out;
 }
 
 }  // namespace infuse::places

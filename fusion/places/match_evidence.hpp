@@ -4,8 +4,8 @@
 
 namespace infuse::places {
 
-/// What the matches of a drive score by chance: those of its images in reverse order, in which they
-/// follow no path through the map.
+/// What the matches of a drive lead by where no place is right: those of its images in reverse
+/// order, in which they follow no path through the map.
 class MatchEvidence {
  public:
   /// `similarity` and `options` as for `match_sequences`.
@@ -14,21 +14,23 @@ class MatchEvidence {
   /// `by_chance` are the matches of the images in reverse order, by sequences of `length`.
   MatchEvidence(const std::vector<SequenceMatch>& by_chance, size_t length);
 
-  /// Probability that a match scores as high, or leads by as much, by chance, the larger of the
-  /// two: tails of Gumbel distributions (the greatest of many paths) with the mean and spread of
-  /// the chance matches. Neighbouring sequences share images: the spread is that of so many as do
-  /// not overlap, enlarged by its own uncertainty; 1 with fewer than two of them. Conservative: in
-  /// reverse order too a path may stay near the right place for some images.
-  double chance(const SequenceMatch& match) const;
+  /// Probability that each match of the drive is one by chance, so that no place within the
+  /// neighbourhood of its answer is right. The margins are a mixture of those by chance and of a
+  /// normal distribution, whose share, mean and spread are the most likely ones (two groups, Efron
+  /// 2008; by expectation and maximisation). Those by chance have a Gumbel distribution (the
+  /// greatest of many paths) with the mean and spread of the reverse order. Neighbouring sequences
+  /// share images: the spread is that of so many as do not overlap, enlarged by its own
+  /// uncertainty; 1 with fewer than two of them.
+  std::vector<double> chances(const std::vector<SequenceMatch>& matches) const;
 
-  /// Distribution of a quantity by chance.
+  /// Gumbel distribution.
   struct Chance {
     double mean = 0, spread = 0;  ///< spread 0: unknown
-    double exceeded(double value) const;
+    double density(double value) const;
   };
 
  private:
-  Chance score_, margin_;
+  Chance margin_;
 };
 
 }  // namespace infuse::places

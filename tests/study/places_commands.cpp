@@ -3,8 +3,11 @@
 
 #include "tests/study/places/fit_study.hpp"
 #include "tests/study/places/image_study.hpp"
+#include "tests/study/places/other_houses.hpp"
 #include "tests/study/places/place_study.hpp"
 #include "tests/study/places/recognition_study.hpp"
+#include "tests/study/places/upright.hpp"
+#include "tests/study/resume.hpp"
 #include "tests/study/study_commands.hpp"
 
 namespace infuse::study {
@@ -72,6 +75,52 @@ void add_images_command(CLI::App& app) {
   command->callback([] { study_images(std::cout, options); });
 }
 
+/// Adds the study of streets whose houses are others.
+void add_houses_command(CLI::App& app) {
+  static std::string map, rows;
+  static uint64_t seed = 7001;
+  static int towns = 40;
+  static bool quick = false;
+  CLI::App* command = app.add_subcommand(
+      "other-houses", "find the vehicle in the same streets in autumn, and with other houses");
+  command->add_option("MAP", map, "fixtures/maps/altfeld.osm")->required();
+  command->add_option("ROWS", rows, "CSV of the trials; towns in it are not tried again")
+      ->required();
+  command->add_option("--seed", seed, "of the first town")->capture_default_str();
+  command->add_option("--towns", towns, "number of towns")->capture_default_str();
+  command->add_flag("--quick", quick, "three towns");
+  command->callback([] {
+    const auto trials = resume<HousesTrial>(
+        rows, seed, quick ? 3 : towns, read_houses_trials, write_houses_header, write_houses_trial,
+        [](uint64_t town) { return try_other_houses(map, town); });
+    if (!trials) throw CLI::FileError(rows + ": cannot be written");
+    write_houses_table(std::cout, *trials);
+  });
+}
+
+/// Adds the study of how upright maps are.
+void add_upright_command(CLI::App& app) {
+  static std::string map, rows;
+  static uint64_t seed = 8001;
+  static int drives = 40;
+  static bool quick = false;
+  CLI::App* command = app.add_subcommand(
+      "upright", "how upright maps of simulated drives are, with and without GNSS, inertial unit");
+  command->add_option("MAP", map, "fixtures/maps/altfeld.osm")->required();
+  command->add_option("ROWS", rows, "CSV of the trials; drives in it are not tried again")
+      ->required();
+  command->add_option("--seed", seed, "of the first drive")->capture_default_str();
+  command->add_option("--drives", drives, "number of drives")->capture_default_str();
+  command->add_flag("--quick", quick, "six drives");
+  command->callback([] {
+    const auto trials = resume<UprightTrial>(rows, seed, quick ? 6 : drives, read_upright_trials,
+                                             write_upright_header, write_upright_trial,
+                                             [](uint64_t k) { return try_upright(map, k); });
+    if (!trials) throw CLI::FileError(rows + ": cannot be written");
+    write_upright_table(std::cout, *trials);
+  });
+}
+
 }  // namespace
 
 void add_places_commands(CLI::App& app) {
@@ -80,6 +129,8 @@ void add_places_commands(CLI::App& app) {
   add_odds_command(app);
   add_recognition_command(app);
   add_images_command(app);
+  add_houses_command(app);
+  add_upright_command(app);
 }
 
 }  // namespace infuse::study

@@ -58,13 +58,24 @@ void add_registration_commands(CLI::App& app) {
   table->add_option("--poses", poses, "poses of its sweeps, T_first_k as KITTI's");
   table->add_option("--drives", simulated.drives, "number of simulated drives")
       ->capture_default_str();
-  table->add_flag("--quick", quick_table, "one simulated drive, or one base scan of DRIVE");
+  static size_t step = 3;
+  table->add_option("--step", step, "sweeps of DRIVE from one target to the next; 1: all pairs")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  static size_t cycle = 0;
+  table->add_option(
+      "--cycles", cycle,
+      "of DRIVE: errors around cycles of so many sweeps instead, without a reference");
+  table->add_flag("--quick", quick_table, "one simulated drive, or two targets of DRIVE");
   table->callback([] {
     if (quick_table) simulated.drives = 1;
     if (drive.empty()) return simulated_alignment_table(simulated).write(std::cout);
     const auto recorded = read_recorded_scans(drive, poses);
     if (!recorded) throw std::runtime_error(recorded.error().message());
-    recorded_alignment_table(*recorded, quick_table ? 1 : 7).write(std::cout);
+    if (cycle > 0)
+      std::cout << cycle_errors(*recorded, cycle) << '\n';
+    else
+      recorded_alignment_table(*recorded, quick_table ? 30 : step).write(std::cout);
   });
 
   static int streets = 10;

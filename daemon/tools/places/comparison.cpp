@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <iterator>
 #include <limits>
-#include <numeric>
 #include <optional>
 
 #include "daemon/command_line/progress_line.hpp"
@@ -15,7 +14,6 @@
 #include "fusion/places/small_image.hpp"
 #include "fusion/places/visual/bag_of_words.hpp"
 #include "fusion/places/visual/sequence_information.hpp"
-#include "fusion/registration/visual/k_means.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -26,10 +24,6 @@ constexpr size_t kMaxSimilarities = 400'000'000;  // 1.6 GB
 constexpr int kDescribedWidth = 64;               // pixels
 constexpr size_t kCellWords = 8;                  // P 6.2.3 leaves the number open
 constexpr int kMaxSiftWidth = 640;                // pixels
-constexpr int kKeypoints = 300;                   // of an image
-constexpr size_t kSiftWords = 2000;               // of 300, as in P 5.3, every place has most
-constexpr int kSiftIterations = 8;                // of k-means; bounds time
-constexpr Eigen::Index kSampledKeypoints = 12'000;
 constexpr size_t kAligned = 10;  // places of a query that are aligned by information
 
 Result<void> check_size(const Comparison& comparison, const ComparisonRequest& request) {
@@ -91,51 +85,35 @@ Result<DescribedImages> describe_images(const ComparisonRequest& request) {
   return out;
 }
 
-/// The strongest SIFT keypoints of an image, reduced if it is large.
-Eigen::MatrixXf keypoints_of(const CameraFrame& frame) {
-  if (frame.width <= kMaxSiftWidth) return places::sift_descriptors(frame, kKeypoints);
+/// The keypoints of an image, reduced if it is large.
+places::ImageKeypoints keypoints_of(const CameraFrame& frame) {
+  if (frame.width <= kMaxSiftWidth) return places::sift_keypoints(frame);
   CameraFrame small;
   small.width = kMaxSiftWidth;
   small.height = std::max(1, kMaxSiftWidth * frame.height / frame.width);
   small.format = PixelFormat::kGrey8;
   small.pixels = places::shrink_image(frame, small.width, small.height);
-  return places::sift_descriptors(small, kKeypoints);
-}
-
-/// A codebook of the places, of keypoints spread evenly over them.
-registration::Codebook learn_sift_words(const std::vector<Eigen::MatrixXf>& places) {
-  const Eigen::Index count =
-      std::accumulate(places.begin(), places.end(), Eigen::Index{0},
-                      [](Eigen::Index sum, const auto& block) { return sum + block.cols(); });
-  const Eigen::Index stride = std::max<Eigen::Index>(1, count / kSampledKeypoints);
-  Eigen::MatrixXf samples(128, (count + stride - 1) / stride);
-  Eigen::Index index = 0;
-  for (const Eigen::MatrixXf& block : places) {
-    for (Eigen::Index k = 0; k < block.cols(); ++k, ++index) {
-      if (index % stride == 0) samples.col(index / stride) = block.col(k);
-    }
-  }
-  return registration::learn_codebook(samples, kSiftWords, 1, kSiftIterations);
+  return places::sift_keypoints(small);
 }
 
 /// Bags of words, learned of the places themselves.
 Result<Comparison> compare_words(const ComparisonRequest& request, SimilarityTable& table) {
-  std::vector<Eigen::MatrixXf> places, queries;
+  std::vector<places::ImageKeypoints> places, queries;
   auto out = read_images(
       request, [&](const CameraFrame& frame) { places.push_back(keypoints_of(frame)); },
       [&](const CameraFrame& frame) { queries.push_back(keypoints_of(frame)); });
   if (!out) return out;
   if (std::all_of(places.begin(), places.end(),
-                  [](const auto& block) { return block.cols() == 0; }))
+                  [](const auto& image) { return image.size() == 0; }))
     return fail("the images have no keypoints", request.places, "try --method edges");
-  const registration::Codebook codebook = learn_sift_words(places);
+  const registration::Codebook codebook = places::learn_sift_words(places);
   std::vector<std::vector<uint32_t>> words;
-  for (const Eigen::MatrixXf& block : places)
-    words.push_back(registration::quantise(codebook, block));
-  const places::BagOfWords bag(words, codebook.size());
+  for (const places::ImageKeypoints& image : places)
+    words.push_back(places::placed_words(codebook, image));
+  const places::BagOfWords bag(words, places::number_of_words(codebook));
   std::vector<Eigen::VectorXd> similarities;
-  for (const Eigen::MatrixXf& block : queries)
-    similarities.push_back(bag.similarities(registration::quantise(codebook, block)));
+  for (const places::ImageKeypoints& image : queries)
+    similarities.push_back(bag.similarities(places::placed_words(codebook, image)));
   table = fill_table(*out, [&](size_t query, size_t place) {
     return similarities[query][static_cast<Eigen::Index>(place)];
   });
@@ -203,7 +181,8 @@ Result<Comparison> compare_sweeps(const ComparisonRequest& request, SimilarityTa
 /// Adds the answers of `matches`, with how probable they are by chance.
 void answer(const std::vector<places::SequenceMatch>& matches,
             const places::MatchEvidence& evidence, Comparison& out) {
-  for (const auto& match : matches) out.answers.push_back({match, evidence.chance(match)});
+  const std::vector<double> chances = evidence.chances(matches);
+  for (size_t k = 0; k < matches.size(); ++k) out.answers.push_back({matches[k], chances[k]});
 }
 
 void match_table(const SimilarityTable& table, const ComparisonRequest& request, Comparison& out) {

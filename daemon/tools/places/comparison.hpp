@@ -23,7 +23,7 @@ struct ComparisonRequest {
 /// Where one place of the query was found.
 struct PlaceAnswer {
   places::SequenceMatch match;
-  std::optional<double> chance;  ///< probability that the match is one by chance; of sequences
+  std::optional<double> chance;  ///< probability that it is one by chance; of sequences
 };
 
 /// Two drives, compared.

@@ -124,9 +124,10 @@ Command declare_places(CLI::App& infuse) {
                   "places of the query that are matched together (default: 21)")
       ->check(CLI::Range(1, 1000))
       ->type_name("N");
-  app->add_option("--max-chance", arguments->max_chance,
-                  "a place counts as found if so good a match is no more probable than this by "
-                  "chance (default: 0.02)")
+  app->add_option(
+         "--max-chance", arguments->max_chance,
+         "a place counts as found if the probability that it is one by chance is at most this "
+         "(default: 0.02)")
       ->check(CLI::Range(0.0001, 1.0))
       ->type_name("P");
   app->add_option("-o,--output", arguments->output, "table of the answers to write")

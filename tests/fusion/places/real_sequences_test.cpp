@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <fstream>
 #include <random>
 
@@ -55,27 +56,61 @@ struct Drives {
   std::vector<ImageDescriptor> query, map;
 };
 
-struct Found {
-  double found = 0, wrong = 0;  ///< shares of the queries
+/// What is stated of the queries among the places from `first_place` to before `end_place`.
+struct Stated {
+  std::vector<double> chance;
+  std::vector<bool> right;  ///< within the ten places that are no other answer
+
+  void add(const Stated& other) {
+    chance.insert(chance.end(), other.chance.begin(), other.chance.end());
+    right.insert(right.end(), other.right.begin(), other.right.end());
+  }
+  double found() const {
+    const auto is_found = [](double c) { return c <= 0.02; };
+    return static_cast<double>(std::count_if(chance.begin(), chance.end(), is_found)) / count();
+  }
+  double wrong() const {
+    double sum = 0;
+    for (size_t i = 0; i < chance.size(); ++i) sum += chance[i] <= 0.02 && !right[i] ? 1 : 0;
+    return sum / count();
+  }
+  /// Expected calibration error over ten bins (Guo and others 2017).
+  double calibration_error() const {
+    std::array<double, 10> difference{};
+    for (size_t i = 0; i < chance.size(); ++i) {
+      const auto bin = std::min<size_t>(9, static_cast<size_t>(10 * chance[i]));
+      difference[bin] += chance[i] - (right[i] ? 0 : 1);
+    }
+    double sum = 0;
+    for (const double value : difference) sum += std::abs(value);
+    return sum / count();
+  }
+
+ private:
+  double count() const { return static_cast<double>(chance.size()); }
 };
 
-/// Which of the queries are found, with at most 2 % by chance, among the places from `first_place`
-/// to before `end_place`, and which of these more than five places from the truth.
-Found found_of(const Drives& drives, size_t first_place, size_t end_place, size_t length) {
+Stated stated_of(const Drives& drives, size_t first_place, size_t end_place, size_t length) {
   SimilarityTable table{drives.query.size(), end_place - first_place, {}};
   for (const ImageDescriptor& query : drives.query) {
     for (size_t j = first_place; j < end_place; ++j)
       table.values.push_back(static_cast<float>(similarity(query, drives.map[j])));
   }
-  const MatchEvidence evidence(table, {.length = length});
   const auto matches = match_sequences(table, {.length = length});
-  Found out;
+  Stated out{MatchEvidence(table, {.length = length}).chances(matches), {}};
   for (size_t i = 0; i < matches.size(); ++i) {
-    if (evidence.chance(matches[i]) > 0.02) continue;
-    out.found += 1.0 / static_cast<double>(matches.size());
     const size_t place = matches[i].place + first_place;
-    if (place > i + 5 || i > place + 5) out.wrong += 1.0 / static_cast<double>(matches.size());
+    out.right.push_back(place <= i + 10 && i <= place + 10);
   }
+  return out;
+}
+
+/// The whole map, and each half of it, off which half of the queries are.
+Stated stated_of_all(const Drives& drives, size_t length) {
+  const size_t count = drives.map.size();
+  Stated out = stated_of(drives, 0, count, length);
+  out.add(stated_of(drives, 0, count / 2, length));
+  out.add(stated_of(drives, count / 2, count, length));
   return out;
 }
 
@@ -124,10 +159,11 @@ void report(const char* name, const Drives& drives, size_t length) {
   std::cout << name << ": single " << share_right(drives, all_of(count), 1) << ", sequences of "
             << length << " " << share_right(drives, all_of(count), length) << ", thinned "
             << share_right(drives, thinned(count), length);
-  const Found whole = found_of(drives, 0, count, length);
-  const Found half = found_of(drives, 0, count / 2, length);
-  std::cout << "; found " << whole.found << ", wrong " << whole.wrong << "; on half the map found "
-            << half.found << ", wrong " << half.wrong << "\n";
+  const Stated whole = stated_of(drives, 0, count, length);
+  const Stated half = stated_of(drives, 0, count / 2, length);
+  std::cout << "; found " << whole.found() << ", wrong " << whole.wrong()
+            << "; on half the map found " << half.found() << ", wrong " << half.wrong()
+            << "; calibration error " << stated_of_all(drives, length).calibration_error() << "\n";
 }
 
 TEST(RealSequences, ARailwayInWinterIsFoundOnTheMapOfSummer) {
@@ -138,10 +174,13 @@ TEST(RealSequences, ARailwayInWinterIsFoundOnTheMapOfSummer) {
   report("500 to 999", drives, 21);
   EXPECT_GE(share_right(drives, all_of(500), 21), 0.94);
   EXPECT_GE(share_right(drives, thinned(500), 21), 0.93);
-  const Found whole = found_of(drives, 0, 500, 21), half = found_of(drives, 0, 250, 21);
-  EXPECT_GT(whole.found, 0.5);
-  EXPECT_LT(whole.wrong, 0.02);
-  EXPECT_LT(half.wrong, 0.02);
+  const Stated whole = stated_of(drives, 0, 500, 21), half = stated_of(drives, 0, 250, 21);
+  EXPECT_GT(whole.found(), 0.8);
+  EXPECT_LT(whole.wrong(), 0.02);
+  EXPECT_LT(half.wrong(), 0.02);
+  report("500 to 999", drives, 9);
+  for (const size_t length : {9U, 21U})
+    EXPECT_LT(stated_of_all(drives, length).calibration_error(), 0.05);
 }
 
 TEST(RealSequences, EdgesFindMoreThanACorrelationOfLocalContrast) {

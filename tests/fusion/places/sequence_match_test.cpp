@@ -124,11 +124,11 @@ SimilarityTable passing_table(size_t queries, size_t places, size_t first, unsig
 
 TEST(MatchEvidence, FindsWhatIsThere) {
   const SimilarityTable table = passing_table(80, 200, 60, 4);
-  const MatchEvidence evidence(table, {});
   size_t found = 0;
   const auto matches = match_sequences(table, {});
+  const auto chances = MatchEvidence(table, {}).chances(matches);
   for (size_t i = 0; i < matches.size(); ++i) {
-    if (evidence.chance(matches[i]) > 0.02) continue;
+    if (chances[i] > 0.02) continue;
     ++found;
     EXPECT_NEAR(static_cast<double>(matches[i].place), 60.0 + static_cast<double>(i), 5);
   }
@@ -159,10 +159,10 @@ TEST(MatchEvidence, IsRareByChance) {
     size_t found = 0, all = 0;
     for (unsigned seed = 1; seed <= 60; ++seed) {
       const SimilarityTable table = smooth_table(80, 60, 100 + seed);
-      const MatchEvidence evidence(table, {.length = length});
-      for (const SequenceMatch& match : match_sequences(table, {.length = length})) {
+      const auto matches = match_sequences(table, {.length = length});
+      for (const double chance : MatchEvidence(table, {.length = length}).chances(matches)) {
         ++all;
-        found += evidence.chance(match) <= 0.02 ? 1U : 0U;
+        found += chance <= 0.02 ? 1U : 0U;
       }
     }
     EXPECT_EQ(all, 4800U);
@@ -172,17 +172,28 @@ TEST(MatchEvidence, IsRareByChance) {
 
 TEST(MatchEvidence, KnowsNothingOfAShortDrive) {
   const SimilarityTable table = passing_table(9, 50, 10, 2);
-  const MatchEvidence evidence(table, {.length = 5});
-  for (const SequenceMatch& match : match_sequences(table, {.length = 5}))
-    EXPECT_EQ(evidence.chance(match), 1);
+  const auto matches = match_sequences(table, {.length = 5});
+  for (const double chance : MatchEvidence(table, {.length = 5}).chances(matches))
+    EXPECT_EQ(chance, 1);
 }
 
-TEST(MatchEvidence, HasTheTailOfAGumbelDistribution) {
+// Half of the queries are elsewhere: what is stated of all is as often so.
+TEST(MatchEvidence, StatesAsManyAsThereAre) {
+  const SimilarityTable table = passing_table(160, 80, 0, 6);
+  const auto matches = match_sequences(table, {.length = 9});
+  double by_chance = 0;
+  for (const double chance : MatchEvidence(table, {.length = 9}).chances(matches))
+    by_chance += chance / static_cast<double>(matches.size());
+  EXPECT_NEAR(by_chance, 0.5, 0.1);
+}
+
+TEST(MatchEvidence, HasTheDensityOfAGumbelDistribution) {
   // Mean 0, standard deviation 1: scale sqrt(6) / pi, location -gamma times it.
   const MatchEvidence::Chance chance{0, 1};
   const double scale = std::sqrt(6.0) / M_PI, location = -0.5772156649 * scale;
   for (const double x : {-1.0, 0.0, 1.0, 3.0}) {
-    EXPECT_NEAR(chance.exceeded(x), 1 - std::exp(-std::exp(-(x - location) / scale)), 1e-9);
+    const double z = (x - location) / scale;
+    EXPECT_NEAR(chance.density(x), std::exp(-z - std::exp(-z)) / scale, 1e-9);
   }
 }
 

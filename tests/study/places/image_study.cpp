@@ -145,12 +145,12 @@ void study_images(std::ostream& out, const ImageStudyOptions& options) {
     const places::SimilarityTable table = compare(town[k], town[0]);
     for (const size_t length : {1U, 9U, 21U}) {
       const places::SequenceMatchOptions matching{.length = length};
-      const places::MatchEvidence evidence(table, matching);
       const auto matches = places::match_sequences(table, matching);
+      const auto chances = places::MatchEvidence(table, matching).chances(matches);
       const auto answers = ranked(matches, true, town[k], town[0], options.tolerance);
       int found = 0, wrong = 0;
       for (size_t i = 0; i < matches.size(); ++i) {
-        if (evidence.chance(matches[i]) > 0.02) continue;
+        if (chances[i] > 0.02) continue;
         ++found;
         wrong += answers[i].right ? 0 : 1;
       }

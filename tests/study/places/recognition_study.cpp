@@ -26,7 +26,7 @@ const std::vector<int64_t> kQueryRoute{117, 118, 119, 124, 107, 106, 105, 104, 1
 const std::vector<int64_t> kBuiltAlong{115, 116, 117, 118, 119, 124, 107, 106,
                                        105, 104, 123, 112, 113, 114, 125, 107};
 
-constexpr std::array<const char*, 3> kBaselines{"bag of words", "Scan Context",
+constexpr std::array<const char*, 3> kBaselines{"bag of words of the images", "Scan Context",
                                                 "shape, as the localiser"};
 constexpr size_t kVerified = kFeatureSets + kBaselines.size();
 
@@ -41,6 +41,7 @@ struct DescribedScan {
   Eigen::Isometry3d T_map_vehicle;
   places::ScanWords words;
   std::vector<Keypoint> keypoints;
+  places::ImageKeypoints images;  // of all cameras
   places::PlaceDescriptor shape;
   mapping::Submap cloud;
 };
@@ -55,6 +56,19 @@ mapping::Submap cloud_of(const Sweep& sweep) {
   return builder.take();
 }
 
+/// The keypoints of all images: another camera sees a place from the other direction.
+places::ImageKeypoints keypoints_of(const std::vector<CameraFrame>& images) {
+  places::ImageKeypoints out{Eigen::MatrixXf(128, 0), {}};
+  for (const CameraFrame& image : images) {
+    const places::ImageKeypoints found = places::sift_keypoints(image);
+    const Eigen::Index before = out.descriptors.cols();
+    out.descriptors.conservativeResize(128, before + found.descriptors.cols());
+    out.descriptors.rightCols(found.descriptors.cols()) = found.descriptors;
+    out.parts.insert(out.parts.end(), found.parts.begin(), found.parts.end());
+  }
+  return out;
+}
+
 DescribedScan describe(const SeasonScan& scan, const Rig& rig,
                        const registration::Codebook& codebook) {
   const Sweep& sweep = scan.scan.sweep;
@@ -63,7 +77,9 @@ DescribedScan describe(const SeasonScan& scan, const Rig& rig,
   return {scan.T_map_vehicle,
           places::describe_scan({features::make_sweep_view(sweep), images}, T_vehicle_lidar),
           find_keypoints(scan, rig, codebook),
-          places::describe_place({sweep.x, sweep.y, sweep.z}, T_vehicle_lidar), cloud_of(sweep)};
+          keypoints_of(scan.scan.images),
+          places::describe_place({sweep.x, sweep.y, sweep.z}, T_vehicle_lidar),
+          cloud_of(sweep)};
 }
 
 SeasonDrive render(const RecognitionOptions& options, uint64_t world, const Visit& visit,
@@ -97,11 +113,28 @@ registration::Codebook learn_words(const RecognitionOptions& options) {
   return registration::learn_codebook(samples.leftCols(at), options.words, 1, 12);
 }
 
-std::vector<uint32_t> words_of(const DescribedScan& scan) {
-  std::vector<uint32_t> out;
-  for (const Keypoint& keypoint : scan.keypoints) out.push_back(keypoint.word);
-  return out;
-}
+/// Bags of words of images, as `infuse places --method words`.
+class ImageBags {
+ public:
+  explicit ImageBags(const std::vector<places::ImageKeypoints>& map)
+      : codebook_(places::learn_sift_words(map)),
+        bags_(words(map), places::number_of_words(codebook_)) {}
+
+  Eigen::VectorXd similarities(const places::ImageKeypoints& query) const {
+    return bags_.similarities(places::placed_words(codebook_, query));
+  }
+
+ private:
+  std::vector<std::vector<uint32_t>> words(const std::vector<places::ImageKeypoints>& map) const {
+    std::vector<std::vector<uint32_t>> out;
+    for (const places::ImageKeypoints& place : map)
+      out.push_back(places::placed_words(codebook_, place));
+    return out;
+  }
+
+  registration::Codebook codebook_;
+  places::BagOfWords bags_;
+};
 
 using Scores = std::vector<std::vector<double>>;  // by method, then by place
 
@@ -113,7 +146,7 @@ struct MapPlace {
 };
 
 Scores score_query(const DescribedScan& query, const std::vector<MapPlace>& map,
-                   const places::BagOfWords& bag, size_t refined) {
+                   const ImageBags& bags, size_t refined) {
   constexpr bool kGrey = true;
   Scores out(kFeatureSets + kBaselines.size(), std::vector<double>(map.size(), -1));
   std::vector<std::pair<double, size_t>> order;
@@ -134,7 +167,7 @@ Scores score_query(const DescribedScan& query, const std::vector<MapPlace>& map,
         best.information, place.keypoints.information(query.keypoints, best.x, best.y, best.yaw));
     for (size_t set = 0; set < kFeatureSets; ++set) out[set][order[i].second] = information[set];
   }
-  const Eigen::VectorXd similarity = bag.similarities(words_of(query));
+  const Eigen::VectorXd similarity = bags.similarities(query.images);
   out[kFeatureSets].assign(similarity.begin(), similarity.end());
   return out;
 }
@@ -179,7 +212,7 @@ void study_recognition(std::ostream& out, const RecognitionOptions& options) {
   std::vector<MapPlace> map;
   VerifiedMap verified;
   std::vector<Eigen::Vector2d> where;
-  std::vector<std::vector<uint32_t>> words;
+  std::vector<places::ImageKeypoints> images;
   {
     const SeasonDrive drive =
         render(options, options.world_seed, season_visits()[0], kMapRoute, options.map_spacing);
@@ -187,12 +220,12 @@ void study_recognition(std::ostream& out, const RecognitionOptions& options) {
       DescribedScan described = describe(scan, drive.rig, codebook);
       where.emplace_back(described.T_map_vehicle.translation().head<2>());
       verified.add(described, drive.rig);
-      words.push_back(words_of(described));
+      images.push_back(std::move(described.images));
       map.push_back({places::MapScan(std::move(described.words)),
                      MapKeypoints(std::move(described.keypoints)), described.shape});
     }
   }
-  const places::BagOfWords bag(words, options.words);
+  const ImageBags bags(images);
   out << "season | method | queries, on the map | area | recall at full precision | right, all "
          "accepted\n";
   std::map<size_t, std::vector<RankedAnswer>> of_all;
@@ -210,7 +243,7 @@ void study_recognition(std::ostream& out, const RecognitionOptions& options) {
       const RankedAnswer found = verified.answer(query, nearest, options.tolerance);
       answers[kVerified].push_back(found);
       if (visit > 1) of_all[kVerified].push_back(found);
-      const Scores scores = score_query(query, map, bag, options.refined);
+      const Scores scores = score_query(query, map, bags, options.refined);
       for (size_t method = 0; method < scores.size(); ++method) {
         const auto best = std::max_element(scores[method].begin(), scores[method].end());
         const auto place = static_cast<size_t>(best - scores[method].begin());

@@ -49,9 +49,9 @@ TEST_P(SequenceInformation, FindsPlacesWhoseWordsHaveChanged) {
   }
   const CellWords reversed(queries.rbegin(), queries.rend());
   const MatchEvidence evidence(match_by_information(reversed, places, options), options.length);
-  EXPECT_LT(evidence.chance(matches[15]), 0.02);
-  for (const auto& match : match_by_information(random_words(5, 30), places, options))
-    EXPECT_GT(evidence.chance(match), 0.02);
+  EXPECT_LT(evidence.chances(matches)[15], 0.02);
+  const auto elsewhere = match_by_information(random_words(5, 30), places, options);
+  for (const double chance : evidence.chances(elsewhere)) EXPECT_GT(chance, 0.02);
 }
 INSTANTIATE_TEST_SUITE_P(Memories, SequenceInformation, testing::Values(0, 1));
 
