@@ -109,7 +109,7 @@ Result<StreetMapFile> open_street_map_file(const std::filesystem::path& path) {
   if (!checked) return tl::unexpected(checked.error());
   if (file_bytes > kMaxBytes) {
     return fail("is longer than " + std::to_string(kMaxBytes) + " bytes", path.string(),
-                "make it of larger cells or a smaller area");
+                "cut it with infuse streetmap --clip, or make it of larger cells");
   }
   bytes->reserve(file_bytes);
   read_to(file_bytes);

@@ -10,6 +10,7 @@ namespace infuse::streetmap {
 namespace {
 
 constexpr double kChiSquared99 = 9.21;   // 99 % of χ² with 2 degrees of freedom
+constexpr double kMaxSameYaw = 0.5;      // rad: further, it heads elsewhere
 constexpr double kMinLogOdds = -9;       // one in 8100: later evidence can outweigh it
 constexpr double kStepSigma = 0.7;       // m, a place moves to a better pose nearby
 constexpr double kStepYawSigma = 0.015;  // rad
@@ -17,12 +18,19 @@ constexpr int kTriesPerPlace = 20;       // bounds time
 constexpr double kMinContender = -4;  // log-odds, one in 55, above which more poses are attempted
 constexpr int kAttempts = 3;
 
-/// The rigid transform that takes `from` to `to`.
-PlanarPose transform_between(const PlanarPose& from, const PlanarPose& to) {
-  return to.compose(from.motion_to({}));
+}  // namespace
+
+bool PlaceCheckOptions::is_better(double log_odds) const {
+  return log_odds + std::log(prior_odds) >= min_better;
 }
 
-}  // namespace
+bool is_in_region(const PlanarPose& pose, const PlanarPose& estimate,
+                  const Eigen::Matrix2d& covariance) {
+  const Eigen::Vector2d d(pose.x - estimate.x, pose.y - estimate.y);
+  const Eigen::Matrix2d regular = covariance + 1e-6 * Eigen::Matrix2d::Identity();
+  return d.dot(regular.inverse() * d) < kChiSquared99 &&
+         std::abs(wrap_angle(pose.yaw - estimate.yaw)) < kMaxSameYaw;
+}
 
 std::optional<std::string> PlaceCheckOptions::invalid() const {
   if (!(spacing >= 1 && max_along > spacing && max_across > spacing && max_along <= 200 &&
@@ -81,18 +89,14 @@ void PlaceCheck::start(const PlanarPose& pose, const SegmentMap& map) {
   running_ = true;
 }
 
-void PlaceCheck::update(const PlanarPose& estimate, const Eigen::Matrix3d& covariance, double gain,
+void PlaceCheck::update(const PlanarPose& estimate, const Eigen::Matrix2d& covariance, double gain,
                         const std::function<double(const PlanarPose&)>& score,
                         const std::function<double(const PlanarPose&)>& by_drive) {
   if (!running_) return;
-  const Eigen::Matrix2d information =
-      (covariance.topLeftCorner<2, 2>() + 1e-6 * Eigen::Matrix2d::Identity()).inverse();
   const double estimate_score = score(estimate);
   for (Place& place : places_) {
     const PlanarPose pose = place.T.compose(estimate);
-    const Eigen::Vector2d d(pose.x - estimate.x, pose.y - estimate.y);
-    place.same = d.dot(information * d) < kChiSquared99 &&
-                 std::abs(wrap_angle(pose.yaw - estimate.yaw)) < 0.5;
+    place.same = is_in_region(pose, estimate, covariance);
     const double change = gain * (place_score(place, estimate, score) - estimate_score);
     place.log_odds =
         std::max(place.log_odds + (first_view_ ? std::min(change, 0.0) : change), kMinLogOdds);
@@ -168,8 +172,7 @@ std::optional<PlanarPose> PlaceCheck::propose() {
   for (Place& place : places_) {
     if (!place.same && (best == nullptr || place.total() > best->total())) best = &place;
   }
-  if (best == nullptr) return std::nullopt;
-  if (best->total() + std::log(options_.prior_odds) < options_.min_better) return std::nullopt;
+  if (best == nullptr || !options_.is_better(best->total())) return std::nullopt;
   best->log_odds = -best->by_drive;  // again only by further evidence
   return best->T.compose(estimate_);
 }

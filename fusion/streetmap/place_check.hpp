@@ -24,9 +24,17 @@ struct PlaceCheckOptions {
   double max_elsewhere = 0.02;  ///< of the other places, of one that is sure: one in 50
   double min_better = 2;        ///< log-odds, the prior included, above which a place is proposed
 
+  /// True if a place with these log-odds of its views is to be proposed.
+  bool is_better(double log_odds) const;
+
   /// Returns what is wrong, or nothing.
   std::optional<std::string> invalid() const;
 };
+
+/// True if a pose is in the 99 % region of an estimate, with about its heading: it is the same
+/// place. `covariance`: of the position, m².
+bool is_in_region(const PlanarPose& pose, const PlanarPose& estimate,
+                  const Eigen::Matrix2d& covariance);
 
 /// Tests whether the true place is elsewhere: poses displaced along and across the street with the
 /// heading of the estimate, along it with the reverse heading, and places on other carriageways.
@@ -45,9 +53,9 @@ class PlaceCheck {
   bool running() const { return running_; }
 
   /// Evaluates the other places on a view. `gain`: log-odds per unit of score of the view;
-  /// `covariance` of the estimate: places within its 99 % region are the same place; `by_drive`:
-  /// log-odds of a pose against the estimate by the streets that the drive followed until now.
-  void update(const PlanarPose& estimate, const Eigen::Matrix3d& covariance, double gain,
+  /// `covariance` of the estimate on the map (`is_in_region`); `by_drive`: log-odds of a pose
+  /// against the estimate by the streets that the drive followed until now.
+  void update(const PlanarPose& estimate, const Eigen::Matrix2d& covariance, double gain,
               const std::function<double(const PlanarPose&)>& score,
               const std::function<double(const PlanarPose&)>& by_drive);
 

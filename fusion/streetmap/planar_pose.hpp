@@ -35,4 +35,9 @@ struct PlanarPose {
   bool operator==(const PlanarPose&) const = default;  ///< of all
 };
 
+/// The rigid transform that takes `from` to `to`.
+inline PlanarPose transform_between(const PlanarPose& from, const PlanarPose& to) {
+  return to.compose(from.motion_to({}));
+}
+
 }  // namespace infuse::streetmap

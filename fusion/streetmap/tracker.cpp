@@ -33,7 +33,7 @@ Tracker::Tracker(const SegmentMap& map, const TrackerOptions& options,
       particles_(options.particles, options.seed),
       significance_(options.confidence.window),
       standing_significance_(options.confidence.window),
-      global_search_(options.global_search, options.seed + 2),
+      global_search_(options.global_search, options.place_check, options.seed + 2),
       place_check_(options.place_check, options.seed + 3),
       gnss_(options.gnss),
       random_(options.seed + 1) {
@@ -109,7 +109,6 @@ void Tracker::predict(const PlanarPose& motion, const Eigen::Matrix3d& covarianc
   search_streets(motion, covariance, step);
   if (!started_) return;
   particles_.predict(motion, covariance, to_seconds(step));
-  global_search_.move(motion);
   if (state_ == TrackState::kTracking && !particles_agree(particles_.moments())) {
     state_ = TrackState::kUnsure;
     reason_ = kDisagreement;
@@ -295,9 +294,11 @@ void Tracker::search_globally(const GridSamples& samples) {
     return evaluate(window_at(pose), pose, samples, last_hyper_parameters_);
   };
   if (particles_.second_mode_weight() > 0) return global_search_.reset();
-  const auto place = global_search_.update(particles_.moments().mean, score_, mode_novelty_, score);
-  if (!place) return;
-  particles_.add_mode(*place, Eigen::Vector3d(1, 1, 0.0016).asDiagonal());
+  const PoseMoments moments = particles_.moments();
+  const auto place =
+      global_search_.update(moments.mean, position_covariance(moments), score_, mode_novelty_,
+                            options_.sharpness * mode_novelty_, score);
+  if (place) particles_.add_mode(*place, Eigen::Vector3d(1, 1, 0.0016).asDiagonal());
 }
 
 // An estimate that jumped is another place, whose evidence begins anew. So does that of one that
@@ -322,7 +323,7 @@ void Tracker::check_place(const GridSamples& samples, const PlanarPose& before) 
   const auto by_others = [&](const PlanarPose& place) {
     return by_drive(place) + gnss_.log_odds({place.x, place.y}, {pose.x, pose.y});
   };
-  place_check_.update(pose, moments.covariance, options_.sharpness * mode_novelty_, score,
+  place_check_.update(pose, position_covariance(moments), options_.sharpness * mode_novelty_, score,
                       std::cref(by_others));
   const double second = particles_.second_mode_weight();
   if (second > (is_doubted() ? options_.confidence.max_tracking_second_mode_weight : 0)) return;

@@ -155,6 +155,7 @@ class Tracker {
   bool propose_street(const PlanarPose& pose);
   void update_state();
   bool is_doubted() const;
+  Eigen::Matrix2d position_covariance(const PoseMoments& moments) const;
   bool particles_agree(const PoseMoments& moments) const;
   void propose_fix(const PlanarPose& estimate);
 

@@ -40,6 +40,12 @@ geometry::Matrix6 TrackerEstimate::pose_covariance() const {
   return result;
 }
 
+// Of a pose on the map, with the error of the map, m².
+Eigen::Matrix2d Tracker::position_covariance(const PoseMoments& moments) const {
+  const double map_variance = options_.confidence.map_sigma * options_.confidence.map_sigma;
+  return moments.covariance.topLeftCorner<2, 2>() + map_variance * Eigen::Matrix2d::Identity();
+}
+
 TrackerEstimate Tracker::estimate() const {
   TrackerEstimate estimate;
   estimate.state = state_;
@@ -49,9 +55,7 @@ TrackerEstimate Tracker::estimate() const {
   const PoseMoments moments = particles_.moments();
   estimate.pose = moments.mean;
   estimate.covariance = moments.covariance;
-  const double map_variance = options_.confidence.map_sigma * options_.confidence.map_sigma;
-  estimate.covariance(0, 0) += map_variance;
-  estimate.covariance(1, 1) += map_variance;
+  estimate.covariance.topLeftCorner<2, 2>() = position_covariance(moments);
   estimate.score = score_;
   estimate.p_value = significance_.p_value();
   estimate.z_score = significance_.mean_z_score();

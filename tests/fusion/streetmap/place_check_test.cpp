@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "tests/fusion/streetmap/town.hpp"
 
@@ -27,7 +28,7 @@ PlaceCheck drive_check(PlanarPose estimate, PlanarPose truth, uint64_t seed) {
     const auto score = [&](const PlanarPose& pose) {
       return std::max(0.9 * peak(estimate, pose), peak(truth, pose));
     };
-    check.update(estimate, 0.1 * Eigen::Matrix3d::Identity(), 2, score,
+    check.update(estimate, 0.1 * Eigen::Matrix2d::Identity(), 2, score,
                  [](const PlanarPose&) { return 0.0; });
   }
   return check;
@@ -59,7 +60,7 @@ TEST(PlaceCheck, TheDriveCounts) {
   const PlanarPose estimate{-20, -1, 0};
   const auto update = [&](PlaceCheck& check, double by_drive) {
     check.update(
-        estimate, 0.1 * Eigen::Matrix3d::Identity(), 2, [](const PlanarPose&) { return 0.5; },
+        estimate, 0.1 * Eigen::Matrix2d::Identity(), 2, [](const PlanarPose&) { return 0.5; },
         [&](const PlanarPose& place) {
           EXPECT_GT(std::hypot(place.x - estimate.x, place.y - estimate.y), 1);
           return by_drive;
@@ -77,6 +78,24 @@ TEST(PlaceCheck, TheDriveCounts) {
   for (int i = 0; i < 9; ++i) update(check, -1);
   EXPECT_TRUE(check.running());
   EXPECT_GT(check.elsewhere(), 0.5);
+}
+
+// Draws of a Gaussian are in its region in 99 of 100 cases; the reverse direction never is.
+TEST(PlaceCheck, ARegionHolds99PercentOfItsPoses) {
+  constexpr int kDraws = 4000;
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  Eigen::Matrix2d L;
+  L << 2, 0, 0.7, 0.5;
+  const PlanarPose estimate{4, -3, 1};
+  int inside = 0;
+  for (int i = 0; i < kDraws; ++i) {
+    const Eigen::Vector2d d = L * Eigen::Vector2d(normal(random), normal(random));
+    const PlanarPose pose{estimate.x + d.x(), estimate.y + d.y(), estimate.yaw};
+    inside += is_in_region(pose, estimate, L * L.transpose());
+    EXPECT_FALSE(is_in_region(pose.compose({0, 0, 3}), estimate, L * L.transpose()));
+  }
+  EXPECT_NEAR(inside, 0.99 * kDraws, 4 * std::sqrt(0.99 * 0.01 * kDraws));
 }
 
 }  // namespace
