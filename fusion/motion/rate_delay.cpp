@@ -178,6 +178,13 @@ void RateDelay::find() {
     if (!result.usable() && !refuted) return;
   }
   found_ = result;
+  is_new_ = true;
+}
+
+const SensorDelay* RateDelay::take_new() {
+  const bool take = is_new_ && found_.usable();
+  is_new_ = false;
+  return take ? &found_ : nullptr;
 }
 
 // A few seconds of noise may fit another delay nearly as well. The prior is what is assumed of a
