@@ -198,7 +198,7 @@ EstimatedParameter OdometryFilter::delay_of(OdometrySource rates) const {
 
 // The state learns a delay sooner, but from changes of the rate whose noise draws it towards 0.
 void OdometryFilter::use_found(RateDelay& delay, int parameter) {
-  if (const SensorDelay* found = delay.take_new(); found != nullptr)
+  if (const SensorDelay* found = delay.newly_found(); found != nullptr)
     state_.set_parameter(parameter, {found->value, found->sigma});
 }
 

@@ -181,10 +181,10 @@ void RateDelay::find() {
   is_new_ = true;
 }
 
-const SensorDelay* RateDelay::take_new() {
-  const bool take = is_new_ && found_.usable();
+const SensorDelay* RateDelay::newly_found() {
+  const bool fresh = is_new_ && found_.usable();
   is_new_ = false;
-  return take ? &found_ : nullptr;
+  return fresh ? &found_ : nullptr;
 }
 
 // A few seconds of noise may fit another delay nearly as well. The prior is what is assumed of a

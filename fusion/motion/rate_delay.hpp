@@ -36,7 +36,7 @@ class RateDelay {
   /// What was found last; it stays while the vehicle drives straight on.
   const SensorDelay& found() const { return found_; }
   /// What was found since the last call, if it is usable; null: nothing.
-  const SensorDelay* take_new();
+  const SensorDelay* newly_found();
   /// What was found, with the last second: at the end of a recording.
   const SensorDelay& finish();
   /// rad/s², of the last tenths of a second; an axis that is not measured: 0.
