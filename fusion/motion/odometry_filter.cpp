@@ -24,17 +24,9 @@ double gnss_course_noise(const OdometryOptions& options, double interval) {
          std::sqrt(std::max(1.0, kUnchanged / std::max(interval, kMinInterval)));
 }
 
-/// What a sensor of angular rates would state now, and its noise, rad/s.
-struct LateRate {
-  double value, noise;
-};
-
-/// The rate goes on to change as it did. A sample holds until the next: on average it is half an
-/// interval later than it is used. The noise of the change is left out, since the angle is its sum.
-LateRate late_rate(double measured, double noise, double change, const EstimatedParameter& delay,
-                   double interval) {
-  return {measured + change * (delay.value + 0.5 * interval),
-          std::hypot(noise, change * delay.sigma)};
+/// A sample holds until the next: on average it is half an interval later than it is used.
+double held_rate(double measured, double change, double interval) {
+  return measured + 0.5 * interval * change;
 }
 
 }  // namespace
@@ -163,12 +155,11 @@ void OdometryFilter::update(const PoseMark& mark) {
 void OdometryFilter::update(const WheelOdometry& sample) {
   if (measured_speeds(sample) > 0) update_wheel_speeds(sample);
   if (std::isfinite(sample.yaw_rate)) {
-    const EstimatedParameter delay = delay_of(OdometrySource::kYawRate);
+    const double change = yaw_rate_delay_.change().z();  // before it: without its noise
     yaw_rate_delay_.add(now_, {std::nan(""), std::nan(""), sample.yaw_rate});
-    const LateRate rate =
-        late_rate(sample.yaw_rate, options_.yaw_rate_noise, yaw_rate_delay_.change().z(), delay,
-                  yaw_rate_delay_.interval());
-    record(OdometrySource::kYawRate, state_.update_yaw_rate(rate.value, rate.noise),
+    record(OdometrySource::kYawRate,
+           state_.update_yaw_rate(held_rate(sample.yaw_rate, change, yaw_rate_delay_.interval()),
+                                  change),
            &OdometryState::reset_rotation_covariance);
   }
   if (std::isfinite(sample.steering_angle) && now_ - last_steering_stamp_ >= kMinSteeringInterval) {
@@ -189,14 +180,12 @@ void OdometryFilter::update(const AngularVelocity& sample) {
   update_gyro(sample.value, sample.noise);
 }
 
-// Roll and pitch shake: their changes are noise.
 void OdometryFilter::update_gyro(const std::array<double, 3>& rate, double noise) {
   const Eigen::Map<const Eigen::Vector3d> measured(rate.data());
+  const double change = imu_delay_.change().z();  // before it: without its noise
   imu_delay_.add(now_, measured);
-  const LateRate yaw = late_rate(rate[2], noise, imu_delay_.change().z(),
-                                 delay_of(OdometrySource::kGyro), imu_delay_.interval());
-  record(OdometrySource::kGyro,
-         state_.update_gyro({rate[0], rate[1], yaw.value}, {noise, noise, yaw.noise}),
+  const double yaw = held_rate(rate[2], change, imu_delay_.interval());
+  record(OdometrySource::kGyro, state_.update_gyro({rate[0], rate[1], yaw}, noise, change),
          &OdometryState::reset_rotation_covariance);
 }
 
@@ -205,6 +194,12 @@ EstimatedParameter OdometryFilter::delay_of(OdometrySource rates) const {
   const SensorDelay& found = (gyro ? imu_delay_ : yaw_rate_delay_).found();
   if (found.usable()) return {found.value, found.sigma};
   return {0, gyro ? options_.imu_delay_sigma : options_.yaw_rate_delay_sigma};
+}
+
+// The state learns a delay sooner, but from changes of the rate whose noise draws it towards 0.
+void OdometryFilter::use_found(RateDelay& delay, int parameter) {
+  if (const SensorDelay* found = delay.newly_found(); found != nullptr)
+    state_.set_parameter(parameter, {found->value, found->sigma});
 }
 
 void OdometryFilter::update(const GnssFix& fix) {

@@ -107,6 +107,7 @@ class OdometryFilter {
   void update(const PoseMark& mark);
   void update_gyro(const std::array<double, 3>& rate, double noise);
   EstimatedParameter delay_of(OdometrySource rates) const;
+  void use_found(RateDelay& delay, int parameter);
   void update_wheel_speeds(const WheelOdometry& sample);
   bool wheels_measure_speed() const {
     const auto measures = [&](OdometrySource source) {

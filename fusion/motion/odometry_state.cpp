@@ -37,6 +37,8 @@ OdometryState::OdometryState(const OdometryOptions& options) : options_(options)
   P_(kSteeringGain, kSteeringGain) =
       square(x_[kSteeringGain] * (stated ? kStatedRatioSigma : kUnknownRatioSigma));
   P_(kGnssDelay, kGnssDelay) = square(options.gnss_delay_sigma);
+  P_(kYawRateDelay, kYawRateDelay) = square(options.yaw_rate_delay_sigma);
+  P_(kGyroDelay, kGyroDelay) = square(options.imu_delay_sigma);
   P_(kSideSlip, kSideSlip) = square(options.side_slip_sigma);
   P_(kGnssLever, kGnssLever) = square(options.gnss_lever_sigma);
   P_(kEastHeading, kEastHeading) = square(options.east_heading_sigma);
@@ -209,14 +211,33 @@ void OdometryState::predict(double seconds) {
   }
 }
 
-bool OdometryState::update(double innovation, const Vector& derivative, double noise, double gate) {
+bool OdometryState::update(double innovation, const Vector& derivative, double noise, double gate,
+                           bool of_rate) {
   const Vector PH = P_ * derivative;
   const double stated = derivative.dot(PH) + square(noise);
   if (!(square(innovation) <= square(gate) * stated)) return false;  // NaN too
   const double sigmas = std::abs(innovation) / std::sqrt(stated);
   const double variance = stated + square(noise) * std::max(0.0, sigmas / kTail - 1);
+  const geometry::Vector6 recent_PH = recent_ * derivative.head<kMotionSize>();
   Vector gain = PH / variance;
-  const geometry::Vector6 recent_gain = recent_ * derivative.head<kMotionSize>() / variance;
+  geometry::Vector6 recent_gain = recent_PH / variance;
+  if (of_rate) {
+    // As if the delays were known, P − P_d P_dd⁻¹ P_dᵀ: rates fit any delay, and the noise of their
+    // change would choose the weights.
+    constexpr double kLeast = 1e-18;  // s², of a delay that is known: double precision
+    Vector known = derivative;
+    known.segment<2>(kYawRateDelay).setZero();
+    Vector Ph = P_ * known;
+    const Eigen::Matrix2d delays =
+        P_.block<2, 2>(kYawRateDelay, kYawRateDelay) + kLeast * Eigen::Matrix2d::Identity();
+    const Eigen::Vector2d by_delay = delays.inverse() * Ph.segment<2>(kYawRateDelay);
+    Ph -= P_.middleCols<2>(kYawRateDelay) * by_delay;
+    const double its = known.dot(Ph) + square(noise) + variance - stated;
+    gain = Ph / its;
+    recent_gain =
+        (recent_ * known.head<kMotionSize>() - recent_.middleCols<2>(kYawRateDelay) * by_delay) /
+        its;
+  }
   if (is_moving() || !derivative.head<3>().isZero(0)) {
     keep_position(recent_gain, gain);
   } else {
@@ -229,7 +250,10 @@ bool OdometryState::update(double innovation, const Vector& derivative, double n
   P_ += variance * gain * gain.transpose() - lost - lost.transpose();
   P_ = (0.5 * (P_ + P_.transpose())).eval();
   // Only its part with the motion is used.
-  recent_.rightCols<kMotionSize - 6>() -= recent_gain * PH.segment<kMotionSize - 6>(6).transpose();
+  constexpr int kRest = kMotionSize - 6;
+  recent_.rightCols<kRest>() -=
+      recent_gain * PH.segment<kRest>(6).transpose() +
+      (recent_PH - variance * recent_gain) * gain.segment<kRest>(6).transpose();
   return true;
 }
 
@@ -253,6 +277,14 @@ void OdometryState::apply(const Vector& change) {
     Eigen::Isometry3d& clone = clones_[i].T_odom_vehicle;
     clone = geometry::exp(change.segment<6>(kMotionSize + 6 * static_cast<int>(i))) * clone;
   }
+}
+
+void OdometryState::set_parameter(int index, const EstimatedParameter& known) {
+  x_[index] = known.value;
+  P_.row(index).setZero();
+  P_.col(index).setZero();
+  recent_.col(index).setZero();
+  P_(index, index) = square(known.sigma);
 }
 
 EstimatedParameter OdometryState::parameter(int index) const {

@@ -67,8 +67,10 @@ class OdometryState {
     kGnssDelay = 29,         ///< s from measurement to stamp, of the GNSS receiver
     kSideSlip = 30,          ///< rad of the course per m/s² across: course minus heading
     kGnssLever = 31,         ///< m ahead of the rear axle, of the GNSS receiver
-    kMotionSize = 32,
-    kSize = 50,  ///< with the clones
+    kYawRateDelay = 32,      ///< s from measurement to stamp, of the yaw rate
+    kGyroDelay = 33,         ///< s, the same of the gyros
+    kMotionSize = 34,
+    kSize = 52,  ///< with the clones
   };
   static constexpr size_t kMaxClones = (kSize - kMotionSize) / 6;
   using Vector = Eigen::Matrix<double, kSize, 1>;
@@ -89,8 +91,8 @@ class OdometryState {
   int update_wheels(const WheelOdometry& sample);
   /// Updates with one sample. Returns false if the sample is inconsistent with the motion or
   /// carries no information.
-  bool update_yaw_rate(double yaw_rate, double noise);                          ///< noise: rad/s
-  bool update_gyro(const Eigen::Vector3d& rate, const Eigen::Vector3d& noise);  ///< noise: rad/s
+  bool update_yaw_rate(double yaw_rate, double change);  ///< rad/s; `change` of the rate: rad/s²
+  bool update_gyro(const Eigen::Vector3d& rate, double noise, double change);  ///< of yaw, likewise
   bool update_gravity(const ImuSample& sample);
   bool update_steering(double steering_angle);
   bool update_gnss_speed(double speed, double noise);           ///< noise: m/s
@@ -104,6 +106,9 @@ class OdometryState {
   /// nearest: the others may spin.
   EstimatedParameter speed_error(const WheelOdometry& sample) const;
   EstimatedParameter gnss_speed_error(double measured, double noise) const;  ///< noise: m/s
+
+  /// Sets what is known of a parameter by other means than this filter.
+  void set_parameter(int index, const EstimatedParameter& known);
 
   /// Keeps a clone of the current pose, of time `stamp`; replaces the oldest.
   void clone_pose(Stamp stamp);
@@ -154,7 +159,10 @@ class OdometryState {
   double driving_direction() const;
   /// Derivative of `speed()`'s magnitude; along x where the vehicle stands.
   Vector speed_derivative() const;
-  bool update(double innovation, const Vector& derivative, double noise, double gate);
+  /// `of_rate`: says nothing of the delays of rates, on which it depends.
+  bool update(double innovation, const Vector& derivative, double noise, double gate,
+              bool of_rate = false);
+  bool update_late_rate(double rate, double noise, double change, int bias, int delay);
   /// Makes a gain one that leaves the vehicle where it is, but for its recent motion.
   void keep_position(const geometry::Vector6& recent_gain, Vector& gain) const;
   double expected_wheel_speed(size_t wheel) const;

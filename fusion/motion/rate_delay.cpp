@@ -178,6 +178,13 @@ void RateDelay::find() {
     if (!result.usable() && !refuted) return;
   }
   found_ = result;
+  is_new_ = true;
+}
+
+const SensorDelay* RateDelay::newly_found() {
+  const bool fresh = is_new_ && found_.usable();
+  is_new_ = false;
+  return fresh ? &found_ : nullptr;
 }
 
 // A few seconds of noise may fit another delay nearly as well. The prior is what is assumed of a

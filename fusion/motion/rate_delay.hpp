@@ -35,7 +35,9 @@ class RateDelay {
 
   /// What was found last; it stays while the vehicle drives straight on.
   const SensorDelay& found() const { return found_; }
-  /// The same, with the last second: at the end of a recording.
+  /// What was found since the last call, if it is usable; null: nothing.
+  const SensorDelay* newly_found();
+  /// What was found, with the last second: at the end of a recording.
   const SensorDelay& finish();
   /// rad/s², of the last tenths of a second; an axis that is not measured: 0.
   const Eigen::Vector3d& change() const { return change_; }
@@ -78,6 +80,7 @@ class RateDelay {
   Eigen::Vector3d slow_rate_ = Eigen::Vector3d::Zero(), change_ = Eigen::Vector3d::Zero();
   double interval_ = 0;
   SensorDelay found_;
+  bool is_new_ = false;
 };
 
 }  // namespace infuse::motion

@@ -60,23 +60,33 @@ EstimatedParameter OdometryState::speed_error(const WheelOdometry& sample) const
   return {x_[kWheelScale] * nearest, std::hypot(options_.wheel_noise, by_scale)};
 }
 
-bool OdometryState::update_yaw_rate(double yaw_rate, double noise) {
+// A rate that is late is one of before: the error of the rotation follows from that of the delay.
+// What that is, another source of rotation shows; rates alone fit any delay.
+bool OdometryState::update_late_rate(double rate, double noise, double change, int bias,
+                                     int delay) {
   Vector H = Vector::Zero();
-  H[kAngularVelocity + 2] = H[kYawRateBias] = 1;
-  const double expected = x_[kAngularVelocity + 2] + x_[kYawRateBias];
-  return update(yaw_rate - expected, H, noise, kGateSigmas);
+  H[kAngularVelocity + 2] = H[bias] = 1;
+  H[delay] = -change;
+  const double expected = x_[kAngularVelocity + 2] + x_[bias] - change * x_[delay];
+  return update(rate - expected, H, noise, kGateSigmas, true);
 }
 
-bool OdometryState::update_gyro(const Eigen::Vector3d& rate, const Eigen::Vector3d& noise) {
+bool OdometryState::update_yaw_rate(double yaw_rate, double change) {
+  return update_late_rate(yaw_rate, options_.yaw_rate_noise, change, kYawRateBias, kYawRateDelay);
+}
+
+// Roll and pitch shake: their changes are noise.
+bool OdometryState::update_gyro(const Eigen::Vector3d& rate, double noise, double change) {
   bool accepted = true;
-  for (int i = options_.planar ? 2 : 0; i < 3; ++i) {
+  for (int i = options_.planar ? 2 : 0; i < 2; ++i) {
     if (!std::isfinite(rate[i])) continue;
     Vector H = Vector::Zero();
     H[kAngularVelocity + i] = H[kGyroBias + i] = 1;
     const double expected = x_[kAngularVelocity + i] + x_[kGyroBias + i];
-    accepted = update(rate[i] - expected, H, noise[i], kGateSigmas) && accepted;
+    accepted = update(rate[i] - expected, H, noise, kGateSigmas) && accepted;
   }
-  return accepted;
+  if (!std::isfinite(rate[2])) return accepted;
+  return update_late_rate(rate[2], noise, change, kGyroBias + 2, kGyroDelay) && accepted;
 }
 
 bool OdometryState::update_gravity(const ImuSample& sample) {
@@ -197,8 +207,12 @@ bool OdometryState::update_gnss_course(double course, double course_noise) {
   const double course_of_turn = H[kSideSlip] * x_[kSideSlip] + H[kGnssLever] * x_[kGnssLever] +
                                 H[kGnssDelay] * x_[kGnssDelay];
   const double heading = std::atan2(ahead.y(), ahead.x()) + x_[kEastHeading] + course_of_turn;
-  const double noise = course_noise * std::max(1.0, kFullCourseSpeed / std::abs(speed()));
-  return update(wrap_angle(std::numbers::pi / 2 - course - heading), H, noise, kGateSigmas);
+  const double error = wrap_angle(std::numbers::pi / 2 - course - heading);
+  const double slow = std::max(1.0, kFullCourseSpeed / std::abs(speed()));
+  // One course errs by its own noise, however little more many of them tell.
+  const double of_one = options_.gnss_course_noise * slow;
+  if (std::abs(error) > kGateSigmas * std::sqrt(H.dot(P_ * H) + of_one * of_one)) return false;
+  return update(error, H, course_noise * slow, kGateSigmas);
 }
 
 bool OdometryState::update_slow_turn() {
