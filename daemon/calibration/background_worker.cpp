@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "daemon/process/crash_note.hpp"
-#include "daemon/process/idle_thread.hpp"
 
 namespace infuse::daemon {
 
@@ -17,7 +16,8 @@ BackgroundWorker::~BackgroundWorker() { shut_down(); }
 void BackgroundWorker::run() {
   pthread_setname_np(pthread_self(), "background");
   use_crash_stack();
-  if (!blocking_) make_idle(pthread_self());  // a blocking caller must not wait for other processes
+  std::optional<IdleTime::Scope> idle;
+  if (!blocking_) idle.emplace(idle_);  // a blocking caller must not wait for other processes
   std::unique_lock lock(mutex_);
   for (;;) {
     changed_.wait(lock, [this] { return shut_down_ || work_ != nullptr; });
@@ -71,7 +71,7 @@ void BackgroundWorker::shut_down() {
     shut_down_ = true;
     stop_.request_stop();
   }
-  if (thread_.joinable()) make_ordinary(thread_.native_handle());
+  idle_.end();
   changed_.notify_all();
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <thread>
 
+#include "daemon/process/idle_time.hpp"
 #include "drivers/measurement/stamp.hpp"
 
 namespace infuse::daemon {
@@ -49,6 +50,7 @@ class BackgroundWorker {
   std::stop_source stop_;
   bool done_ = true;
   bool shut_down_ = false;
+  IdleTime idle_;
   std::jthread thread_;  // last member: uses the others
 };
 

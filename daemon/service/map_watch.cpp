@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "daemon/process/crash_note.hpp"
-#include "daemon/process/idle_thread.hpp"
 
 namespace infuse::daemon {
 namespace {
@@ -52,7 +51,7 @@ void MapWatch::poll(Clock::time_point now) {
       std::async(std::launch::async, [this, in_use = in_use_.digest]() -> Result<std::string> {
         ::pthread_setname_np(::pthread_self(), "maps");
         use_crash_stack();
-        make_idle(::pthread_self());
+        const IdleTime::Scope idle(idle_);
         try {
           return replace_(in_use, stop_.get_token());
         } catch (const std::exception& failed) {  // no memory, no thread

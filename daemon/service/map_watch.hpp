@@ -10,6 +10,7 @@
 #include <string>
 
 #include "daemon/health/host_alerts.hpp"
+#include "daemon/process/idle_time.hpp"
 #include "drivers/measurement/error.hpp"
 
 namespace infuse::daemon {
@@ -28,7 +29,10 @@ class MapWatch {
   /// `file`: the file of the map that a new map replaces last. `digest`: of the map in use.
   MapWatch(std::string name, std::filesystem::path file, std::string digest, Replace replace);
 
-  ~MapWatch() { stop_.request_stop(); }
+  ~MapWatch() {
+    stop_.request_stop();
+    idle_.end();
+  }
   MapWatch(const MapWatch&) = delete;
   MapWatch& operator=(const MapWatch&) = delete;
 
@@ -64,6 +68,7 @@ class MapWatch {
   Clock::time_point due_ = Clock::time_point::max();  // of the next look without a change
   std::chrono::seconds pause_{0};                     // before it
   std::stop_source stop_;
+  IdleTime idle_;
   std::future<Result<std::string>> looking_;  // last member: its thread uses the others
 };
 

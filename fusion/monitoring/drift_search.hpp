@@ -42,7 +42,7 @@ class DriftSearch {
   /// Searches around `T_camera_lidar` in the last `scenes`, at most `kScenes` and as many as were
   /// added; only near the calibration and near `known` if that is given. `noise`: what the sum of
   /// dependence is divided by to be a log-likelihood, nats. Returns soon after a stop was
-  /// requested, with what means nothing.
+  /// requested; the result is then meaningless.
   DriftEstimate find(const Eigen::Isometry3d& T_camera_lidar,
                      const std::optional<geometry::Vector6>& known, size_t scenes, double noise,
                      const geometry::CameraModel& camera, const std::stop_token& stop = {});
