@@ -69,7 +69,7 @@ struct Made {
 
 class BlockMap : public testing::Test {
  protected:
-  // Under a sanitizer the drive takes minutes, in each test's process.
+  // Under a sanitizer the drive takes minutes.
 #ifdef __SANITIZE_ADDRESS__
   static constexpr bool kTooSlow = true;
 #else

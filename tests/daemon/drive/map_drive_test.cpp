@@ -153,7 +153,7 @@ TEST_F(BlockMap, SaysWhatIsWrong) {
   const std::string drive = (made_->folder / "drive").string();
   EXPECT_THAT(Made::infuse("map " + drive + " --no-gnss -o " + made_->map()).output,
               HasSubstr("another drive, lidar or settings"));
-  const std::string other = made_->map("other");
+  const std::string other = made_->map("letters");
   std::filesystem::create_directories(other);
   write_file(other + "/letter.txt", "dear");
   EXPECT_THAT(Made::infuse("map " + drive + " -o " + other).output, HasSubstr("letter.txt"));
