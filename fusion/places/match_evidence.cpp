@@ -8,8 +8,8 @@
 namespace infuse::places {
 namespace {
 
-/// Minimum number of sequences that do not overlap. Of pure noise 4 % is found with 2 of them, 0.8 %
-/// with 3 (decision 17).
+/// Minimum number of sequences that do not overlap. Of pure noise 4 % is found with 2 of them, 0.8
+/// % with 3 (decision 17).
 constexpr double kMinSequences = 3;
 /// Standard deviation of an estimate of the spread from n sequences, as a share of it, times
 /// sqrt(n): 1 / sqrt(2) for a normal distribution, more for the tail of greatest values (decision
