@@ -8,8 +8,9 @@
 namespace infuse::places {
 namespace {
 
-/// Fewest sequences that do not overlap that have a spread by definition.
-constexpr double kMinSequences = 2;
+/// Minimum number of sequences that do not overlap. Of pure noise 4 % is found with 2 of them, 0.8
+/// % with 3 (decision 17).
+constexpr double kMinSequences = 3;
 /// Standard deviation of an estimate of the spread from n sequences, as a share of it, times
 /// sqrt(n): 1 / sqrt(2) for a normal distribution, more for the tail of greatest values (decision
 /// 17).
@@ -88,7 +89,10 @@ std::vector<double> MatchEvidence::chances(const std::vector<SequenceMatch>& mat
       out[i] = right + by_chance > 0 ? by_chance / (right + by_chance) : margin > mean ? 0 : 1;
     }
   }
-  // In the tail of the wider distribution too a greater margin is no less probable.
+  // In the tails of the wider distribution too a greater margin is no less probable, and what leads
+  // by no more than chance does is no evidence.
+  for (size_t i = 0; i < matches.size(); ++i)
+    if (matches[i].margin <= margin_.mean) out[i] = 1;
   std::vector<size_t> order(matches.size());
   std::iota(order.begin(), order.end(), size_t{0});
   std::sort(order.begin(), order.end(),

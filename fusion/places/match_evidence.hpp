@@ -4,8 +4,8 @@
 
 namespace infuse::places {
 
-/// What the matches of a drive lead by where no place is right: those of its images in reverse
-/// order, in which they follow no path through the map.
+/// Margins without a right place: those of the images of a drive in reverse order, in which they
+/// follow no path through the map.
 class MatchEvidence {
  public:
   /// `similarity` and `options` as for `match_sequences`.
@@ -20,7 +20,8 @@ class MatchEvidence {
   /// 2008; by expectation and maximisation). Those by chance have a Gumbel distribution (the
   /// greatest of many paths) with the mean and spread of the reverse order. Neighbouring sequences
   /// share images: the spread is that of so many as do not overlap, enlarged by its own
-  /// uncertainty; 1 with fewer than two of them.
+  /// uncertainty; 1 with fewer than three of them, and for a margin below the mean of those by
+  /// chance.
   std::vector<double> chances(const std::vector<SequenceMatch>& matches) const;
 
   /// Gumbel distribution.

@@ -23,13 +23,14 @@ void require_success(const std::string& error) {
   if (!error.empty()) throw CLI::ValidationError(error);
 }
 
-/// Adds the study of starts from nothing on a map of keyframes.
+/// Adds the study of trials without an initial pose on a map of keyframes.
 void add_places_command(CLI::App& app) {
   static PlaceStudyOptions options;
   CLI::App* command = app.add_subcommand(
-      "places", "find the vehicle on a map of keyframes from nothing, all along simulated visits");
+      "places",
+      "find the vehicle on a map of keyframes without an initial pose, all along simulated visits");
   add_visits(*command, options);
-  command->add_option("--spacing", options.spacing, "m between starts")->capture_default_str();
+  command->add_option("--spacing", options.spacing, "m between trials")->capture_default_str();
   command->add_flag("--elsewhere", options.elsewhere, "the visits are off the map");
   command->callback([] { require_success(study_places(std::cout, options)); });
 }

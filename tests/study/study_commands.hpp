@@ -25,7 +25,7 @@ void add_registration_commands(CLI::App& app);
 /// the simulator.
 void add_places_commands(CLI::App& app);
 
-/// Adds the study of starts from nothing on a street map; needs the simulator.
+/// Adds the study of trials without an initial pose on a street map; needs the simulator.
 void add_starts_command(CLI::App& app);
 
 /// Adds the commands that calibrate rigs drawn at random, and those of a recorded drive: its stated

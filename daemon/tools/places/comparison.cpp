@@ -96,24 +96,31 @@ places::ImageKeypoints keypoints_of(const CameraFrame& frame) {
   return places::sift_keypoints(small);
 }
 
-/// Bags of words, learned of the places themselves.
+/// Bags of words, learned of the places themselves: as the first query is read all places are, and
+/// their descriptors, a quarter of a megabyte an image, become words.
 Result<Comparison> compare_words(const ComparisonRequest& request, SimilarityTable& table) {
-  std::vector<places::ImageKeypoints> places, queries;
+  std::vector<places::ImageKeypoints> places;
+  std::optional<registration::Codebook> codebook;
+  std::vector<std::vector<uint32_t>> words, queries;
+  const auto learn = [&] {
+    codebook = places::learn_sift_words(places);
+    for (const places::ImageKeypoints& image : places)
+      words.push_back(places::placed_words(*codebook, image));
+    places = {};
+  };
   auto out = read_images(
       request, [&](const CameraFrame& frame) { places.push_back(keypoints_of(frame)); },
-      [&](const CameraFrame& frame) { queries.push_back(keypoints_of(frame)); });
+      [&](const CameraFrame& frame) {
+        if (!codebook) learn();
+        queries.push_back(places::placed_words(*codebook, keypoints_of(frame)));
+      });
   if (!out) return out;
-  if (std::all_of(places.begin(), places.end(),
-                  [](const auto& image) { return image.size() == 0; }))
+  if (!codebook || codebook->size() == 0)
     return fail("the images have no keypoints", request.places, "try --method edges");
-  const registration::Codebook codebook = places::learn_sift_words(places);
-  std::vector<std::vector<uint32_t>> words;
-  for (const places::ImageKeypoints& image : places)
-    words.push_back(places::placed_words(codebook, image));
-  const places::BagOfWords bag(words, places::number_of_words(codebook));
+  const places::BagOfWords bag(words, places::number_of_words(*codebook));
   std::vector<Eigen::VectorXd> similarities;
-  for (const places::ImageKeypoints& image : queries)
-    similarities.push_back(bag.similarities(places::placed_words(codebook, image)));
+  for (const std::vector<uint32_t>& query : queries)
+    similarities.push_back(bag.similarities(query));
   table = fill_table(*out, [&](size_t query, size_t place) {
     return similarities[query][static_cast<Eigen::Index>(place)];
   });

@@ -87,8 +87,8 @@ int run_places(const PlacesArguments& arguments) {
   } else {
     std::cout << fmt::format("{} queries sought among {} places by sequences of {}: {} found\n",
                              queries, places, request.length, found);
-    if (queries < 2 * request.length)
-      std::cout << "too few queries to exclude chance: twice --length are needed\n";
+    if (queries < 3 * request.length)
+      std::cout << "too few queries to exclude chance: three times --length are needed\n";
   }
   return found > 0 || request.sequence == "none" ? kDone : kFailure;
 }

@@ -13,10 +13,10 @@ namespace {
 /// Diameter, pixels. What is finer is found in the doubled image alone (Lowe 2004, section 3.3):
 /// the camera's noise, which no second visit shows.
 constexpr float kMinKeypointSize = 4;
-constexpr double kMinContrast = 0.015;     // as OpenCV has it (decision 17)
+constexpr double kMinContrast = 0.015;     // in OpenCV's scale (decision 17)
 constexpr int kKeypoints = 500;            // of an image; bounds time
 constexpr int kColumns = 8, kRows = 6;     // parts of an image (decision 17)
-constexpr size_t kWords = 2000;            // of 300, as in P 5.3, every place has most
+constexpr size_t kWords = 2000;            // decision 17: of fewer every place has most
 constexpr int kIterations = 8;             // of k-means; bounds time
 constexpr Eigen::Index kSampled = 12'000;  // keypoints for k-means; bounds time
 

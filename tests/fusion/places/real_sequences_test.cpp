@@ -56,10 +56,10 @@ struct Drives {
   std::vector<ImageDescriptor> query, map;
 };
 
-/// What is stated of the queries among the places from `first_place` to before `end_place`.
+/// The chances that are stated of queries, and what is true.
 struct Stated {
   std::vector<double> chance;
-  std::vector<bool> right;  ///< within the ten places that are no other answer
+  std::vector<bool> right;  ///< within ten places of the truth
 
   void add(const Stated& other) {
     chance.insert(chance.end(), other.chance.begin(), other.chance.end());
@@ -90,6 +90,7 @@ struct Stated {
   double count() const { return static_cast<double>(chance.size()); }
 };
 
+/// Of the queries among the places from `first_place` to before `end_place`.
 Stated stated_of(const Drives& drives, size_t first_place, size_t end_place, size_t length) {
   SimilarityTable table{drives.query.size(), end_place - first_place, {}};
   for (const ImageDescriptor& query : drives.query) {
@@ -105,7 +106,7 @@ Stated stated_of(const Drives& drives, size_t first_place, size_t end_place, siz
   return out;
 }
 
-/// The whole map, and each half of it, off which half of the queries are.
+/// On the whole map, and on each half of it: then half of the queries are elsewhere.
 Stated stated_of_all(const Drives& drives, size_t length) {
   const size_t count = drives.map.size();
   Stated out = stated_of(drives, 0, count, length);

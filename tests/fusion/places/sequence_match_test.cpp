@@ -153,28 +153,49 @@ SimilarityTable smooth_table(size_t queries, size_t places, unsigned seed) {
 }
 
 // Of queries that are nowhere no more than the stated share is found, over many drives, whose
-// sequences overlap.
+// sequences overlap: of as few queries as are allowed, and of more.
 TEST(MatchEvidence, IsRareByChance) {
   for (const size_t length : {9U, 21U}) {
-    size_t found = 0, all = 0;
-    for (unsigned seed = 1; seed <= 60; ++seed) {
-      const SimilarityTable table = smooth_table(80, 60, 100 + seed);
-      const auto matches = match_sequences(table, {.length = length});
-      for (const double chance : MatchEvidence(table, {.length = length}).chances(matches)) {
-        ++all;
-        found += chance <= 0.02 ? 1U : 0U;
+    for (const size_t queries : {3 * length, size_t{80}}) {
+      size_t found = 0, all = 0;
+      for (unsigned seed = 1; seed <= 240; ++seed) {
+        const SimilarityTable table = smooth_table(queries, 60, 100 + seed);
+        const auto matches = match_sequences(table, {.length = length});
+        for (const double chance : MatchEvidence(table, {.length = length}).chances(matches)) {
+          ++all;
+          found += chance <= 0.02 ? 1U : 0U;
+        }
       }
+      EXPECT_EQ(all, 240 * queries);
+      EXPECT_LT(static_cast<double>(found), 0.02 * static_cast<double>(all));
     }
-    EXPECT_EQ(all, 4800U);
-    EXPECT_LT(static_cast<double>(found), 0.02 * static_cast<double>(all));
   }
 }
 
 TEST(MatchEvidence, KnowsNothingOfAShortDrive) {
-  const SimilarityTable table = passing_table(9, 50, 10, 2);
+  const SimilarityTable table = passing_table(14, 50, 10, 2);
   const auto matches = match_sequences(table, {.length = 5});
   for (const double chance : MatchEvidence(table, {.length = 5}).chances(matches))
     EXPECT_EQ(chance, 1);
+}
+
+std::vector<SequenceMatch> with_margins(const std::vector<double>& margins) {
+  std::vector<SequenceMatch> out(margins.size());
+  for (size_t i = 0; i < margins.size(); ++i) out[i].margin = margins[i];
+  return out;
+}
+
+// The wide distribution of the right margins exceeds that by chance on both sides of it.
+TEST(MatchEvidence, IsNoneInAMarginBelowChance) {
+  std::vector<double> by_chance, margins;
+  for (size_t i = 0; i < 67; ++i) by_chance.push_back(0.25 + 0.12 * static_cast<double>(i) / 66);
+  for (size_t i = 0; i < 56; ++i) margins.push_back(0.6 + 1.6 * static_cast<double>(i) / 55);
+  margins.push_back(0.05);
+  margins.insert(margins.end(), 10, 0.32);
+  const auto chances = MatchEvidence(with_margins(by_chance), 9).chances(with_margins(margins));
+  for (size_t i = 0; i < 56; ++i) EXPECT_LT(chances[i], 0.02);
+  EXPECT_EQ(chances[56], 1);
+  for (size_t i = 57; i < chances.size(); ++i) EXPECT_GT(chances[i], 0.9);
 }
 
 // Half of the queries are elsewhere: what is stated of all is as often so.

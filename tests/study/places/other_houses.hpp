@@ -22,10 +22,11 @@ std::vector<HousesTrial> read_houses_trials(std::istream& in);
 void write_houses_header(std::ostream& out);
 void write_houses_trial(std::ostream& out, const HousesTrial& trial);
 
-/// Maps a town of Altfeld's streets in summer, and starts from nothing every 30 m of a visit in
-/// autumn, with building sites and other cars, and of a visit to the same streets with other
-/// houses, trees and cars. Odd seeds visit against the map's direction. VLP-16; sweeps 1 m apart,
-/// with the true motion between them and poses of the map that are true. Throws std::runtime_error.
+/// Maps a town of Altfeld's streets in summer, and finds the vehicle without an initial pose, in a
+/// trial every 30 m up to 80 m before the end, on a visit in autumn, with building sites and other
+/// cars, and on a visit to the same streets with other houses, trees and cars. Odd seeds visit
+/// against the map's direction. VLP-16; sweeps 1 m apart, with the true motion between them and
+/// poses of the map that are true. Throws std::runtime_error.
 std::vector<HousesTrial> try_other_houses(const std::string& map, uint64_t seed);
 
 /// Counts of the trials.

@@ -26,10 +26,12 @@ constexpr double kWrongRotation = kDegree;  // P figs. 4.18 to 4.21
 AlignmentError error_of(const registration::RegistrationResult& result,
                         const Eigen::Isometry3d& truth) {
   const Eigen::Isometry3d& T = result.T_target_source;
-  AlignmentError out{result.usable(), (T.translation() - truth.translation()).norm(),
-                     geometry::rotation_log(T.linear() * truth.linear().transpose()).norm(), 0};
+  AlignmentError out{result.usable(),
+                     (T.translation() - truth.translation()).norm(),
+                     geometry::rotation_log(T.linear() * truth.linear().transpose()).norm(),
+                     {}};
   const geometry::Vector6 error = geometry::log(truth * T.inverse());
-  if (result.free_directions < 6)
+  if (result.free_directions < 6 && !result.information.isZero())
     out.normalised = error.dot(result.information * error) / (6 - result.free_directions);
   return out;
 }
@@ -85,16 +87,20 @@ void AlignmentTable::write(std::ostream& out) const {
       translation.push_back(error.translation);
       rotation.push_back(error.rotation / kDegree);
       if (is_wrong) continue;
-      normalised.push_back(error.normalised);
-      sum += error.normalised;
+      if (!error.normalised) continue;
+      normalised.push_back(*error.normalised);
+      sum += *error.normalised;
     }
+    const std::string over_covariance =
+        normalised.empty() ? "– | –"
+                           : fmt::format("{:.2f} | {:.2f}", median_and_maximum(normalised).first,
+                                         sum / static_cast<double>(normalised.size()));
     const auto [t, t_max] = median_and_maximum(translation);
     const auto [r, r_max] = median_and_maximum(rotation);
     out << fmt::format(
-        "| {} | {} | {} of {} | {} | {:.3f} m | {:.3f} m | {:.3f}° | {:.3f}° | {:.2f} | {:.2f} |\n",
-        key.first, kMethods[key.second], translation.size(), all.size(), wrong, t, t_max, r, r_max,
-        median_and_maximum(normalised).first,
-        sum / static_cast<double>(std::max<size_t>(1, normalised.size())));
+        "| {} | {} | {} of {} | {} | {:.3f} m | {:.3f} m | {:.3f}° | {:.3f}° | {} |\n", key.first,
+        kMethods[key.second], translation.size(), all.size(), wrong, t, t_max, r, r_max,
+        over_covariance);
   }
 }
 
@@ -158,6 +164,7 @@ AlignmentTable recorded_alignment_table(const RecordedScans& recorded, size_t st
   constexpr size_t kFarthest = 20, kGroup = 5;
   AlignmentTable table;
   const auto& [cameras, scans] = recorded;
+  if (scans.size() < 3) throw std::runtime_error("the drive has too few sweeps");
   for (size_t target = 1; target + 1 < scans.size(); target += step) {
     for (size_t distance = 1; distance <= kFarthest; ++distance) {
       if (target + distance >= scans.size()) break;

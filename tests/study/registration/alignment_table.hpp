@@ -2,6 +2,7 @@
 
 #include <iosfwd>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,9 +13,9 @@ namespace infuse::study {
 /// Error of an alignment against the truth.
 struct AlignmentError {
   bool usable = false;
-  double translation = 0;  ///< m
-  double rotation = 0;     ///< rad
-  double normalised = 0;   ///< squared, over the covariance, a direction
+  double translation = 0;            ///< m
+  double rotation = 0;               ///< rad
+  std::optional<double> normalised;  ///< squared, over the covariance, a direction, if stated
 };
 
 /// P table 4.1: errors of GICP from the identity, of RANSAC on image features alone, of VB-GICP and
