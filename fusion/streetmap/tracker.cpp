@@ -285,6 +285,7 @@ void Tracker::judge_standing(const GridSamples& samples) {
   const double variance = 1 / n + before * before / (2 * std::max(n - 1, 1.0));
   if (before - z < kSigmas * std::sqrt(2 * variance / options_.confidence.window)) return;
   place_check_.start(moments.mean, map_);
+  global_search_.reset();
   state_ = TrackState::kUnsure;
   reason_ = "the view changes although odometry says that the vehicle stands";
 }
@@ -293,8 +294,9 @@ void Tracker::search_globally(const GridSamples& samples) {
   const auto score = [&](const PlanarPose& pose) {
     return evaluate(window_at(pose), pose, samples, last_hyper_parameters_);
   };
-  if (particles_.second_mode_weight() > 0) return global_search_.reset();
   const PoseMoments moments = particles_.moments();
+  const bool scored = map_.covers(moments.mean.x, moments.mean.y);  // `score_` is of this view
+  if (!scored || particles_.second_mode_weight() > 0) return global_search_.reset();
   const auto place =
       global_search_.update(moments.mean, position_covariance(moments), score_, mode_novelty_,
                             options_.sharpness * mode_novelty_, score);
@@ -309,6 +311,7 @@ void Tracker::check_place(const GridSamples& samples, const PlanarPose& before) 
   const double jump = geometry::plane_length(pose.x - before.x, pose.y - before.y);
   if (jump > std::max(kMinJump, 3 * moments.spread())) {
     place_check_.start(pose, map_);
+    global_search_.reset();
     gnss_.restart(false);
   }
   if (!place_check_.running() && is_doubted()) place_check_.start(pose, map_);
