@@ -81,7 +81,11 @@ std::vector<double> MatchEvidence::chances(const std::vector<SequenceMatch>& mat
       second += (1 - out[i]) * (matches[i].margin - mean) * (matches[i].margin - mean);
     const double spread = std::max(std::sqrt(second / sum), margin_.spread / 2);
     for (size_t i = 0; i < matches.size(); ++i) {
-      const double margin = matches[i].margin, z = (margin - mean) / spread;
+      // Below the mean by chance the wider distribution would exceed that by chance again: what is
+      // stated of such a margin in the end is what holds at the mean.
+      const double margin = iteration + 1 < kIterations ? matches[i].margin
+                                                        : std::max(matches[i].margin, margin_.mean);
+      const double z = (margin - mean) / spread;
       const double right =
           share * std::exp(-z * z / 2) / (spread * std::sqrt(2 * std::numbers::pi));
       const double by_chance = (1 - share) * margin_.density(margin);
@@ -89,10 +93,7 @@ std::vector<double> MatchEvidence::chances(const std::vector<SequenceMatch>& mat
       out[i] = right + by_chance > 0 ? by_chance / (right + by_chance) : margin > mean ? 0 : 1;
     }
   }
-  // In the tails of the wider distribution too a greater margin is no less probable, and what leads
-  // by no more than chance does is no evidence.
-  for (size_t i = 0; i < matches.size(); ++i)
-    if (matches[i].margin <= margin_.mean) out[i] = 1;
+  // In the tail of the wider distribution too a greater margin is no less probable.
   std::vector<size_t> order(matches.size());
   std::iota(order.begin(), order.end(), size_t{0});
   std::sort(order.begin(), order.end(),

@@ -20,8 +20,8 @@ class MatchEvidence {
   /// 2008; by expectation and maximisation). Those by chance have a Gumbel distribution (the
   /// greatest of many paths) with the mean and spread of the reverse order. Neighbouring sequences
   /// share images: the spread is that of so many as do not overlap, enlarged by its own
-  /// uncertainty; 1 with fewer than three of them, and for a margin below the mean of those by
-  /// chance.
+  /// uncertainty; 1 with fewer than three of them. A margin below the mean of those by chance
+  /// counts as one at it.
   std::vector<double> chances(const std::vector<SequenceMatch>& matches) const;
 
   /// Gumbel distribution.
