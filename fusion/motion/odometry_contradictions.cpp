@@ -106,8 +106,8 @@ void OdometryFilter::add(const RelativePose& pose) {
   if (result.accepted && result.rotation_measured) {
     yaw_rate_delay_.add(pose);
     imu_delay_.add(pose);
-    use_found(yaw_rate_delay_, OdometryState::kYawRateDelay);
-    use_found(imu_delay_, OdometryState::kGyroDelay);
+    use_found(OdometrySource::kYawRate);
+    use_found(OdometrySource::kGyro);
   }
   if (result.accepted && usable()) trajectory_.correct(pose, result, state_, now_);
 }

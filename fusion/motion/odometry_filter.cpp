@@ -100,6 +100,8 @@ void OdometryFilter::reset_clock() {
   now_ = last_steering_stamp_ = Stamp::earliest();
   sources_.reset();
   gnss_position_check_.reset();
+  course_doubt_ = 0;
+  last_course_stamp_ = Stamp::earliest();
   yaw_rate_delay_.reset();
   imu_delay_.reset();
   last_relative_pose_.reset();
@@ -132,6 +134,7 @@ void OdometryFilter::advance(Duration ahead) {
     state_.reset_motion(to_seconds(ahead));
     sources_.reset();
     gnss_position_check_.reset();  // where odometry led meanwhile is not known
+    course_doubt_ = 0;
     at_rest_since_ = Stamp::latest();
     arbiter_.reset();
     last_wheels_.reset();
@@ -155,7 +158,7 @@ void OdometryFilter::update(const PoseMark& mark) {
 void OdometryFilter::update(const WheelOdometry& sample) {
   if (measured_speeds(sample) > 0) update_wheel_speeds(sample);
   if (std::isfinite(sample.yaw_rate)) {
-    const double change = yaw_rate_delay_.change().z();  // before it: without its noise
+    const double change = yaw_rate_delay_.change_before(now_).z();  // without its noise
     yaw_rate_delay_.add(now_, {std::nan(""), std::nan(""), sample.yaw_rate});
     record(OdometrySource::kYawRate,
            state_.update_yaw_rate(held_rate(sample.yaw_rate, change, yaw_rate_delay_.interval()),
@@ -182,7 +185,7 @@ void OdometryFilter::update(const AngularVelocity& sample) {
 
 void OdometryFilter::update_gyro(const std::array<double, 3>& rate, double noise) {
   const Eigen::Map<const Eigen::Vector3d> measured(rate.data());
-  const double change = imu_delay_.change().z();  // before it: without its noise
+  const double change = imu_delay_.change_before(now_).z();  // without its noise
   imu_delay_.add(now_, measured);
   const double yaw = held_rate(rate[2], change, imu_delay_.interval());
   record(OdometrySource::kGyro, state_.update_gyro({rate[0], rate[1], yaw}, noise, change),
@@ -197,9 +200,11 @@ EstimatedParameter OdometryFilter::delay_of(OdometrySource rates) const {
 }
 
 // The state learns a delay sooner, but from changes of the rate whose noise draws it towards 0.
-void OdometryFilter::use_found(RateDelay& delay, int parameter) {
-  if (const SensorDelay* found = delay.newly_found(); found != nullptr)
-    state_.set_parameter(parameter, {found->value, found->sigma});
+void OdometryFilter::use_found(OdometrySource rates) {
+  const bool gyro = rates == OdometrySource::kGyro;
+  if ((gyro ? imu_delay_ : yaw_rate_delay_).newly_found() == nullptr) return;
+  state_.set_parameter(gyro ? OdometryState::kGyroDelay : OdometryState::kYawRateDelay,
+                       delay_of(rates));
 }
 
 void OdometryFilter::update(const GnssFix& fix) {
@@ -216,16 +221,25 @@ void OdometryFilter::update(const GnssFix& fix) {
   if (std::isfinite(fix.course)) last_course_stamp_ = now_;
   if (std::isfinite(fix.speed)) update_gnss_speed(fix.speed);
   if (state_.speed() > kMinCourseSpeed) {
-    if (std::isfinite(fix.course)) {
-      record(OdometrySource::kGnssCourse,
-             state_.update_gnss_course(fix.course, gnss_course_noise(options_, interval)));
-    }
+    if (std::isfinite(fix.course)) update_gnss_course(fix.course, interval);
   } else if (sources_.carries(OdometrySource::kGnssSpeed, now_) &&
              !sources_.rotation_known(now_, OdometrySource::kGnssCourse)) {
     // A gyro need not be limited: while a vehicle turned on the spot, its bias absorbed the turn.
     state_.update_slow_turn();
     sources_.hold(OdometrySource::kGnssCourse, now_);  // the limit stands in for the course
   }
+}
+
+void OdometryFilter::update_gnss_course(double course, double interval) {
+  const double noise = gnss_course_noise(options_, interval);
+  bool accepted = state_.update_gnss_course(course, noise);
+  course_doubt_ += std::clamp(interval, 0.0, to_seconds(options_.max_gnss_silence));
+  if (!accepted && course_doubt_ > to_seconds(kMaxGnssDoubt)) {
+    state_.release_heading();
+    accepted = state_.update_gnss_course(course, noise);
+  }
+  if (accepted) course_doubt_ = 0;
+  record(OdometrySource::kGnssCourse, accepted);
 }
 
 const char* OdometryFilter::reason() const {

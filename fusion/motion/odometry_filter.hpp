@@ -107,7 +107,7 @@ class OdometryFilter {
   void update(const PoseMark& mark);
   void update_gyro(const std::array<double, 3>& rate, double noise);
   EstimatedParameter delay_of(OdometrySource rates) const;
-  void use_found(RateDelay& delay, int parameter);
+  void use_found(OdometrySource rates);
   void update_wheel_speeds(const WheelOdometry& sample);
   bool wheels_measure_speed() const {
     const auto measures = [&](OdometrySource source) {
@@ -116,6 +116,7 @@ class OdometryFilter {
     return measures(OdometrySource::kWheels) || measures(OdometrySource::kSpeed);
   }
   void update_gnss_speed(double measured);
+  void update_gnss_course(double course, double interval);
   void claim_speed(const RelativePose& pose, const RelativePoseUpdate& update, double state_speed);
   bool believe_lidar(const RelativePoseUpdate& update);
   void detect_standstill(bool at_rest);
@@ -140,6 +141,7 @@ class OdometryFilter {
   RateDelay yaw_rate_delay_, imu_delay_;
   Stamp last_gnss_speed_stamp_ = Stamp::earliest();
   Stamp last_course_stamp_ = Stamp::earliest();
+  double course_doubt_ = 0;  // s of courses since one was accepted
   Stamp last_steering_stamp_ = Stamp::earliest();
   Stamp at_rest_since_ = Stamp::latest();
   std::optional<WheelOdometry> last_wheels_;

@@ -64,7 +64,7 @@ struct OdometryOptions {
   double wheel_scale_sigma = 0.01;     ///< initial
   double wheel_scale_walk = 1e-5;      ///< per √s
   double steering_zero_sigma = 0.01;   ///< rad at the steering wheel, including road camber
-  double yaw_rate_delay_sigma = 0.05;  ///< s, until a lidar shows what remains of `wheel_delay`
+  double yaw_rate_delay_sigma = 0.05;  ///< s, until a lidar or a course shows what remains
   double imu_delay_sigma = 0.05;       ///< s, the same
   double gnss_delay_sigma = 0.1;       ///< s, the same; receivers state speeds 0.1 to 0.4 s late
   double delay_walk = 0.002;           ///< s per √s, of the GNSS receiver

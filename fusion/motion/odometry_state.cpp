@@ -131,6 +131,13 @@ void OdometryState::release_acceleration(double seconds) {
   recent_ += direction.head<6>() * direction.head<kMotionSize>().transpose();
 }
 
+void OdometryState::release_heading() {
+  constexpr double kUnknownHeading = 10;  // rad, derived from π: any heading
+  set_parameter(kEastHeading, {x_[kEastHeading], kUnknownHeading});
+  set_parameter(kYawRateBias, {x_[kYawRateBias], options_.yaw_bias_sigma});
+  set_parameter(kGyroBias + 2, {x_[kGyroBias + 2], options_.gyro_bias_sigma});
+}
+
 void OdometryState::predict(double seconds) {
   constexpr double kAccelerationTimeConstant = 2;  // s
   const double dt = seconds;

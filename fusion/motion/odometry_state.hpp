@@ -126,6 +126,10 @@ class OdometryState {
   /// Makes the speed's change in the last `seconds` uncertain: a source of speed went wrong since.
   void release_acceleration(double seconds);
 
+  /// Makes the heading of the odometry frame and the biases about z uncertain after prolonged
+  /// contradiction of courses. The path stays: nothing says when it turned wrongly.
+  void release_heading();
+
   /// Resets the motion after a time without samples: the pose stays with a larger covariance, the
   /// motion is unknown.
   void reset_motion(double seconds);

@@ -68,6 +68,11 @@ void RateDelay::add(Stamp stamp, const Eigen::Vector3d& measured) {
   compare_waiting();
 }
 
+Eigen::Vector3d RateDelay::change_before(Stamp stamp) const {
+  if (angle_count_ == 0 || stamp - angles_[newest_].stamp > kMaxGap) return Eigen::Vector3d::Zero();
+  return change_;
+}
+
 void RateDelay::add(const RelativePose& motion) {
   if (waiting_.size() == kWaiting) waiting_.erase(waiting_.begin());
   waiting_.push_back(motion);
@@ -177,12 +182,12 @@ void RateDelay::find() {
     const bool refuted = costs[static_cast<Eigen::Index>(at)] + std::log(kSure) > costs[best];
     if (!result.usable() && !refuted) return;
   }
+  is_new_ = is_new_ || found_.usable() || result.usable();
   found_ = result;
-  is_new_ = true;
 }
 
 const SensorDelay* RateDelay::newly_found() {
-  const bool fresh = is_new_ && found_.usable();
+  const bool fresh = is_new_;
   is_new_ = false;
   return fresh ? &found_ : nullptr;
 }

@@ -35,12 +35,14 @@ class RateDelay {
 
   /// What was found last; it stays while the vehicle drives straight on.
   const SensorDelay& found() const { return found_; }
-  /// What was found since the last call, if it is usable; null: nothing.
+  /// What was found since the last call, or null. One that is not usable refutes what was found
+  /// before.
   const SensorDelay* newly_found();
   /// What was found, with the last second: at the end of a recording.
   const SensorDelay& finish();
-  /// rad/s², of the last tenths of a second; an axis that is not measured: 0.
-  const Eigen::Vector3d& change() const { return change_; }
+  /// rad/s², of the last tenths of a second before `stamp`; an axis that is not measured, or after
+  /// a gap: 0.
+  Eigen::Vector3d change_before(Stamp stamp) const;
   /// s between samples, on average over about the last twenty; gaps are left out.
   double interval() const { return interval_; }
 

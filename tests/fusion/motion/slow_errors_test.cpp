@@ -243,5 +243,120 @@ TEST(SlowErrors, ACourseThatSlipsLeavesTheHeading) {
   EXPECT_LT(errors[1], errors[0] + 0.1 * kDegree) << "a receiver does not make the heading worse";
 }
 
+double heading_error(const TrueDrive& drive, const OdometryFilter& filter, double t) {
+  const Eigen::Matrix3d truth = drive.pose(t).linear();
+  const geometry::PoseAt now = filter.predicted_pose();
+  return geometry::rotation_log(truth.transpose() * now.T_odom_vehicle.linear()).z();
+}
+
+// Nothing but the course shows how late the gyro is, and it may be late itself.
+TEST(SlowErrors, AHeadingByALateGyroAndACourseIsWithinItsSigma) {
+  constexpr double kDelay = 0.07;  // s
+  const TrueDrive drive = crossings(61);
+  for (const uint64_t seed : {1, 2, 3}) {
+    SimulatedSensors sensors(drive, seed);
+    OdometryFilter filter;
+    for (int i = 1; i < 3000; ++i) {
+      const double t = 0.02 * i;
+      ImuSample gyro = sensors.gyro(std::max(0.0, t - kDelay), {0, 0, 0.003});
+      gyro.stamp = seconds(t);
+      WheelOdometry wheels = sensors.wheels(t);
+      wheels.yaw_rate = std::nan("");
+      filter.add(wheels);
+      filter.add(gyro);
+      if (i % 5 == 0) filter.add(sensors.gnss(t));
+      filter.process_until(seconds(t));
+      const double sigma = std::sqrt(filter.predicted_pose().covariance(2, 2));
+      ASSERT_TRUE(t < 2 || std::abs(heading_error(drive, filter, t)) < 3 * sigma)
+          << seed << " at " << t;
+    }
+    EXPECT_LT(rejected_courses(filter), 3U);
+  }
+}
+
+// The gyro is 70 ms late, then by more than is sought, then, without a lidar, not at all.
+TEST(SlowErrors, ADelayThatWasRefutedIsNotUsed) {
+  const TrueDrive drive = crossings(300);
+  SimulatedSensors sensors(drive, 1);
+  OdometryOptions options;
+  options.planar = false;
+  OdometryFilter filter(options);
+  const auto add = [&](int sweep, double late, bool lidar) {
+    const double t = kTurnOfLidar * sweep;
+    for (double s = t - kTurnOfLidar + 0.02; s < t + 1e-9; s += 0.02) {
+      ImuSample gyro = sensors.gyro(std::max(0.0, s - late), {0, 0, 0.003});
+      WheelOdometry wheels = sensors.wheels(s);
+      wheels.yaw_rate = std::nan("");
+      gyro.stamp = wheels.stamp;
+      filter.add(wheels);
+      filter.add(gyro);
+    }
+    const RelativePose pose = sensors.lidar(t - kTurnOfLidar, t);
+    add_sweep(filter, t, lidar && sweep > 1 ? &pose : nullptr);
+  };
+  int i = 1;
+  for (; i < 450; ++i) add(i, 0.07, true);
+  ASSERT_NEAR(filter.report().imu_delay.value, 0.07, 0.015);
+  for (; i < 2500 && filter.report().imu_delay.value != 0; ++i) add(i, 0.4, true);
+  ASSERT_EQ(filter.report().imu_delay.value, 0) << "refuted";
+  ASSERT_EQ(filter.report().imu_delay.sigma, options.imu_delay_sigma);
+  const double from = kTurnOfLidar * (i - 1);
+  for (int sweep = 0; sweep < 90; ++sweep) add(i++, 0, false);
+  for (double to = from + 0.5; to < from + 8; to += 0.5) {
+    const auto motion = filter.trajectory().between(seconds(from), seconds(to));
+    const Eigen::Matrix3d truth = drive.pose(from).linear().transpose() * drive.pose(to).linear();
+    const double error = geometry::rotation_log(truth.transpose() * motion.T_from_to.linear()).z();
+    EXPECT_LT(std::abs(error), 0.3 * kDegree) << to - from;
+  }
+}
+
+/// Wheels, a gyro with a bias of 0.003 rad/s, and from 30 s on a course that is `turned`.
+void drive_by_course(OdometryFilter& filter, SimulatedSensors& sensors, double from, double to,
+                     double turned) {
+  for (int i = static_cast<int>(50 * from) + 1; i <= 50 * to; ++i) {
+    const double t = 0.02 * i;
+    WheelOdometry wheels = sensors.wheels(t);
+    wheels.yaw_rate = std::nan("");
+    filter.add(wheels);
+    filter.add(sensors.gyro(t, {0, 0, 0.003}));
+    if (i % 5 != 0) continue;
+    GnssFix fix = sensors.gnss(t);
+    fix.course -= t > 30 ? turned : 0;
+    filter.add(fix);
+  }
+}
+
+// A heading that is surely wrong contradicts courses, once the gyro's bias does not explain them.
+TEST(SlowErrors, CoursesAreBelievedAgainBesideAWrongHeading) {
+  const TrueDrive drive = crossings(111);
+  SimulatedSensors sensors(drive, 1);
+  OdometryFilter filter;
+  Eigen::Isometry3d wrong = Eigen::Isometry3d::Identity();
+  wrong.linear() = geometry::rotation_exp({0, 0, 8 * kDegree});
+  filter.set_pose(wrong, 1e-8 * geometry::Matrix6::Identity());
+  drive_by_course(filter, sensors, 0, 80, 0);
+  const uint64_t rejected = rejected_courses(filter);
+  EXPECT_GT(rejected, 500U);
+  drive_by_course(filter, sensors, 80, 110, 0);
+  EXPECT_LT(rejected_courses(filter), rejected + 3);
+  EXPECT_NEAR(filter.report().gyro_bias[2].value, 0.003, 0.002);
+}
+
+// The frame does not point where it was thought to: the path does not turn.
+TEST(SlowErrors, CoursesThatTurnForGoodAreBelievedAMinuteLater) {
+  const TrueDrive drive = crossings(106);
+  SimulatedSensors sensors(drive, 1);
+  OdometryOptions options;
+  options.east_heading_sigma = 10;
+  OdometryFilter filter(options);
+  drive_by_course(filter, sensors, 0, 89, 34 * kDegree);
+  const uint64_t rejected = rejected_courses(filter);
+  EXPECT_GT(rejected, 580U);
+  drive_by_course(filter, sensors, 89, 105, 34 * kDegree);
+  EXPECT_LT(rejected_courses(filter), rejected + 12);
+  filter.process_until(seconds(105));
+  EXPECT_LT(std::abs(heading_error(drive, filter, 105)), 2 * kDegree);
+}
+
 }  // namespace
 }  // namespace infuse::motion
