@@ -105,7 +105,8 @@ void AlignmentTable::write(std::ostream& out) const {
 }
 
 std::string cycle_errors(const RecordedScans& recorded, size_t length) {
-  const auto& [cameras, scans] = recorded;
+  const std::vector<CameraMount>& cameras = recorded.cameras;
+  const std::vector<PosedScan>& scans = recorded.scans;
   double sum = 0, largest = 0, translation = 0;
   size_t cycles = 0, missing = 0;
   for (size_t first = 2; first + 2 * length < scans.size(); first += length) {
