@@ -253,7 +253,7 @@ double heading_error(const TrueDrive& drive, const OdometryFilter& filter, doubl
 TEST(SlowErrors, AHeadingByALateGyroAndACourseIsWithinItsSigma) {
   constexpr double kDelay = 0.07;  // s
   const TrueDrive drive = crossings(61);
-  for (const uint64_t seed : {1, 2, 3}) {
+  for (const uint64_t seed : {1U, 2U, 3U}) {
     SimulatedSensors sensors(drive, seed);
     OdometryFilter filter;
     for (int i = 1; i < 3000; ++i) {
