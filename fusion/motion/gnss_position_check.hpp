@@ -8,7 +8,7 @@
 
 namespace infuse::motion {
 
-/// After so long a receiver that is doubted is believed again, ns (decision 17).
+/// A doubted receiver is believed again after this time, ns (decision 17).
 inline constexpr Duration kMaxGnssDoubt{60'000'000'000};
 
 /// Compares the positions of a GNSS receiver with odometry: a fix must lie where odometry leads

@@ -202,7 +202,7 @@ EstimatedParameter OdometryFilter::delay_of(OdometrySource rates) const {
 // The state learns a delay sooner, but from changes of the rate whose noise draws it towards 0.
 void OdometryFilter::use_found(OdometrySource rates) {
   const bool gyro = rates == OdometrySource::kGyro;
-  if ((gyro ? imu_delay_ : yaw_rate_delay_).newly_found() == nullptr) return;
+  if (!(gyro ? imu_delay_ : yaw_rate_delay_).newly_found()) return;
   state_.set_parameter(gyro ? OdometryState::kGyroDelay : OdometryState::kYawRateDelay,
                        delay_of(rates));
 }

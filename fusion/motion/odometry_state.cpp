@@ -232,18 +232,17 @@ bool OdometryState::update(double innovation, const Vector& derivative, double n
     // As if the delays were known, P − P_d P_dd⁻¹ P_dᵀ: rates fit any delay, and the noise of their
     // change would choose the weights.
     constexpr double kLeast = 1e-18;  // s², of a delay that is known: double precision
-    Vector known = derivative;
-    known.segment<2>(kYawRateDelay).setZero();
-    Vector Ph = P_ * known;
+    const auto P_delays = P_.middleCols<2>(kYawRateDelay);
+    const auto of_delays = derivative.segment<2>(kYawRateDelay);
     const Eigen::Matrix2d delays =
-        P_.block<2, 2>(kYawRateDelay, kYawRateDelay) + kLeast * Eigen::Matrix2d::Identity();
-    const Eigen::Vector2d by_delay = delays.inverse() * Ph.segment<2>(kYawRateDelay);
-    Ph -= P_.middleCols<2>(kYawRateDelay) * by_delay;
-    const double its = known.dot(Ph) + square(noise) + variance - stated;
-    gain = Ph / its;
-    recent_gain =
-        (recent_ * known.head<kMotionSize>() - recent_.middleCols<2>(kYawRateDelay) * by_delay) /
-        its;
+        P_delays.middleRows<2>(kYawRateDelay) + kLeast * Eigen::Matrix2d::Identity();
+    const Eigen::Vector2d left_out =
+        of_delays + delays.inverse() * (PH - P_delays * of_delays).segment<2>(kYawRateDelay);
+    gain = PH - P_delays * left_out;
+    const double known = derivative.dot(gain) - of_delays.dot(gain.segment<2>(kYawRateDelay));
+    const double its = known + square(noise) + variance - stated;
+    gain /= its;
+    recent_gain = (recent_PH - recent_.middleCols<2>(kYawRateDelay) * left_out) / its;
   }
   if (is_moving() || !derivative.head<3>().isZero(0)) {
     keep_position(recent_gain, gain);

@@ -186,12 +186,6 @@ void RateDelay::find() {
   found_ = result;
 }
 
-const SensorDelay* RateDelay::newly_found() {
-  const bool fresh = is_new_;
-  is_new_ = false;
-  return fresh ? &found_ : nullptr;
-}
-
 // A few seconds of noise may fit another delay nearly as well. The prior is what is assumed of a
 // sensor before.
 double RateDelay::spread(const Costs& costs, Eigen::Index best, double value) {

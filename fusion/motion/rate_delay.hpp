@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <utility>
 #include <vector>
 
 #include "drivers/measurement/stamp.hpp"
@@ -35,9 +36,8 @@ class RateDelay {
 
   /// What was found last; it stays while the vehicle drives straight on.
   const SensorDelay& found() const { return found_; }
-  /// What was found since the last call, or null. One that is not usable refutes what was found
-  /// before.
-  const SensorDelay* newly_found();
+  /// True if a delay was found, or refuted, since the last call.
+  bool newly_found() { return std::exchange(is_new_, false); }
   /// What was found, with the last second: at the end of a recording.
   const SensorDelay& finish();
   /// rad/s², of the last tenths of a second before `stamp`; an axis that is not measured, or after

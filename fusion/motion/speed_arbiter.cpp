@@ -8,8 +8,7 @@ namespace infuse::motion {
 namespace {
 
 constexpr double kMaxAcceleration = 12;  // m/s²: tyres on a dry road hold 1.2 g
-// Where the costs are equal, the first of these is believed: wheels slip more often than a
-// registration errs.
+// Of equal costs, the first: wheels slip more often than a registration errs.
 constexpr OdometrySource kByTrust[] = {OdometrySource::kLidar, OdometrySource::kWheels,
                                        OdometrySource::kSpeed, OdometrySource::kGnssSpeed};
 

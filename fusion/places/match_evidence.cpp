@@ -38,6 +38,42 @@ SimilarityTable in_reverse(const SimilarityTable& similarity) {
   return out;
 }
 
+/// Normal distribution of the margins of what is right.
+struct Right {
+  double share = 0, mean = 0, spread = 0;
+
+  /// The most likely one if each match is by chance with its probability of `by_chance`; false if
+  /// nothing is right.
+  bool fit(const std::vector<SequenceMatch>& matches, const std::vector<double>& by_chance,
+           const MatchEvidence::Chance& chance) {
+    double sum = 0, first = 0, second = 0;
+    for (size_t i = 0; i < matches.size(); ++i) {
+      sum += 1 - by_chance[i];
+      first += (1 - by_chance[i]) * matches[i].margin;
+    }
+    share = 0;
+    if (!(sum > 0)) return false;
+    share = (sum + 1) / (static_cast<double>(matches.size()) + 2);  // Laplace's rule
+    // What is right leads by more than chance does.
+    mean = std::max(first / sum, chance.mean + chance.spread);
+    for (size_t i = 0; i < matches.size(); ++i)
+      second += (1 - by_chance[i]) * (matches[i].margin - mean) * (matches[i].margin - mean);
+    spread = std::max(std::sqrt(second / sum), chance.spread / 2);
+    return true;
+  }
+
+  /// Probability that a match of this margin is one by chance.
+  double chance(double margin, const MatchEvidence::Chance& by_chance) const {
+    const double z = (margin - mean) / spread;
+    const double of_right =
+        share * std::exp(-z * z / 2) / (spread * std::sqrt(2 * std::numbers::pi));
+    const double of_chance = (1 - share) * by_chance.density(margin);
+    // Far from both, where both vanish, by the side.
+    if (!(of_right + of_chance > 0)) return margin > mean ? 0 : 1;
+    return of_chance / (of_right + of_chance);
+  }
+};
+
 }  // namespace
 
 double MatchEvidence::Chance::density(double value) const {
@@ -67,32 +103,15 @@ std::vector<double> MatchEvidence::chances(const std::vector<SequenceMatch>& mat
   // It begins with what few lead by through chance.
   for (size_t i = 0; i < matches.size(); ++i)
     out[i] = matches[i].margin > margin_.mean + 2 * margin_.spread ? 0 : 1;
-  for (int iteration = 0; iteration < kIterations; ++iteration) {
-    double sum = 0, first = 0, second = 0;  // of what is right
-    for (size_t i = 0; i < matches.size(); ++i) {
-      sum += 1 - out[i];
-      first += (1 - out[i]) * matches[i].margin;
-    }
-    if (!(sum > 0)) break;
-    const double share = (sum + 1) / (static_cast<double>(matches.size()) + 2);  // Laplace's rule
-    // What is right leads by more than chance does.
-    const double mean = std::max(first / sum, margin_.mean + margin_.spread);
-    for (size_t i = 0; i < matches.size(); ++i)
-      second += (1 - out[i]) * (matches[i].margin - mean) * (matches[i].margin - mean);
-    const double spread = std::max(std::sqrt(second / sum), margin_.spread / 2);
-    for (size_t i = 0; i < matches.size(); ++i) {
-      // Below the mean by chance the wider distribution would exceed that by chance again: what is
-      // stated of such a margin in the end is what holds at the mean.
-      const double margin = iteration + 1 < kIterations ? matches[i].margin
-                                                        : std::max(matches[i].margin, margin_.mean);
-      const double z = (margin - mean) / spread;
-      const double right =
-          share * std::exp(-z * z / 2) / (spread * std::sqrt(2 * std::numbers::pi));
-      const double by_chance = (1 - share) * margin_.density(margin);
-      // Far from both, where both vanish, by the side.
-      out[i] = right + by_chance > 0 ? by_chance / (right + by_chance) : margin > mean ? 0 : 1;
-    }
+  Right right;
+  for (int iteration = 0; iteration < kIterations && right.fit(matches, out, margin_);
+       ++iteration) {
+    for (size_t i = 0; i < matches.size(); ++i) out[i] = right.chance(matches[i].margin, margin_);
   }
+  // Below the mean by chance the wider distribution would exceed that by chance again: what is
+  // stated of such a margin is what holds at the mean.
+  for (size_t i = 0; right.share > 0 && i < matches.size(); ++i)
+    out[i] = right.chance(std::max(matches[i].margin, margin_.mean), margin_);
   // In the tail of the wider distribution too a greater margin is no less probable.
   std::vector<size_t> order(matches.size());
   std::iota(order.begin(), order.end(), size_t{0});

@@ -9,7 +9,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "drivers/velodyne/velodyne_maker.hpp"
+#include "drivers/measurement/median.hpp"
 #include "fixtures/simulator/simulation.hpp"
 #include "fusion/features/air_returns.hpp"
 #include "fusion/places/localiser.hpp"
@@ -49,11 +49,7 @@ simulator::Simulation simulate(const std::string& map, const StreetVisit& visit)
   s.street.parked_cars = visit.parked_cars;
   s.motion.speed = s.motion.start_speed = 8;
   s.duration = 120;
-  simulator::LidarOptions lidar;
-  lidar.model = &velodyne::lidar_model(velodyne::Model::kVlp16);
-  lidar.rays_per_pulse = 1;
-  lidar.T_vehicle_lidar.translation() = Eigen::Vector3d(1.0, 0, 1.95);
-  s.lidars.push_back(lidar);
+  s.lidars.push_back(roof_lidar(velodyne::Model::kVlp16, 1.95));
   auto simulation = simulator::Simulation::create(s);
   if (!simulation) throw std::runtime_error(simulation.error().message());
   return *std::move(simulation);
@@ -146,10 +142,12 @@ std::vector<HousesTrial> try_visit(const places::PlaceMap& map, simulator::Simul
   return out;
 }
 
-double quantile_of(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[static_cast<size_t>(share * static_cast<double>(values.size() - 1))];
+/// Median and maximum of what was found, in a table.
+std::string middle_and_most(std::vector<double> values, int decimals) {
+  if (values.empty()) return "– | –";
+  const double most = *std::max_element(values.begin(), values.end());
+  return fmt::format("{:.{}f} m | {:.{}f} m", nth_smallest(values, (values.size() - 1) / 2),
+                     decimals, most, decimals);
 }
 
 }  // namespace
@@ -211,10 +209,10 @@ void write_houses_table(std::ostream& out, const std::vector<HousesTrial>& trial
     }
     std::sort(towns.begin(), towns.end());
     const auto different = std::unique(towns.begin(), towns.end()) - towns.begin();
-    out << fmt::format("| {} | {} | {} | {} | {} | {:.0f} m | {:.0f} m | {:.2f} m | {:.2f} m |\n",
+    out << fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n",
                        other ? "the same streets, other houses" : "the same town in autumn",
-                       different, count, metres.size(), wrong, quantile_of(metres, 0.5),
-                       quantile_of(metres, 1), quantile_of(errors, 0.5), quantile_of(errors, 1));
+                       different, count, metres.size(), wrong, middle_and_most(metres, 0),
+                       middle_and_most(errors, 2));
   }
 }
 

@@ -96,11 +96,7 @@ Result<SeasonDrive> render_visit(const std::string& map, uint64_t world_seed, co
   s.light = visit.light;
   s.motion.speed = s.motion.start_speed = 8;
   s.duration = 200;
-  simulator::LidarOptions lidar;
-  lidar.model = &velodyne::lidar_model(velodyne::Model::kHdl64eS2);
-  lidar.rays_per_pulse = 1;
-  lidar.T_vehicle_lidar.translation() = Eigen::Vector3d(1.0, 0, 2.1);
-  s.lidars.push_back(lidar);
+  s.lidars.push_back(roof_lidar(velodyne::Model::kHdl64eS2, 2.1));
   for (int i = 0; i < 5; ++i) s.cameras.push_back(place_camera(i));
   auto simulation = simulator::Simulation::create(s);
   if (!simulation) return tl::unexpected(simulation.error());

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <ostream>
 #include <sstream>
@@ -15,10 +14,12 @@
 #include "daemon/setup/drive_setup.hpp"
 #include "daemon/tools/map/map_drive.hpp"
 #include "drivers/measurement/angles.hpp"
+#include "drivers/measurement/median.hpp"
 #include "drivers/recording/trajectory_file.hpp"
-#include "drivers/velodyne/velodyne_maker.hpp"
 #include "fixtures/simulator/drive_writer.hpp"
 #include "fusion/motion/trajectory_error.hpp"
+#include "tests/scratch_folder.hpp"
+#include "tests/study/registration/rendered_drive.hpp"
 
 namespace infuse::study {
 namespace {
@@ -40,34 +41,9 @@ simulator::Scenario draw(const std::string& map, const UprightTrial& trial) {
   s.motion.speed = s.motion.start_speed = 9;
   s.duration = 20;
   if (!trial.imu) s.vehicle.imu_rate = 0;
-  simulator::LidarOptions lidar;
-  lidar.model = &velodyne::lidar_model(velodyne::Model::kVlp16);
-  lidar.rays_per_pulse = 1;
-  lidar.T_vehicle_lidar.translation() = Eigen::Vector3d(1.0, 0, 1.95);
-  s.lidars.push_back(lidar);
+  s.lidars.push_back(roof_lidar(velodyne::Model::kVlp16, 1.95));
   return s;
 }
-
-/// A folder for a drive and its map, which is removed in the end.
-class DriveFolder {
- public:
-  DriveFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "infuse-study-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
-    path_ = name;
-  }
-  ~DriveFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  DriveFolder(const DriveFolder&) = delete;
-  DriveFolder& operator=(const DriveFolder&) = delete;
-
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
 
 template <class Value>
 Value required(Result<Value> result) {
@@ -107,7 +83,7 @@ std::vector<UprightTrial> try_upright(const std::string& map, uint64_t seed) {
                      .shape = static_cast<int>(seed % 3),
                      .gnss = seed / 3 % 2 == 0,
                      .imu = seed / 6 % 2 == 0};
-  const DriveFolder folder;
+  const ScratchFolder folder;
   auto simulation = required(simulator::Simulation::create(draw(map, trial)));
   required(simulator::write_drive(simulation, folder / "drive", [](double) {}));
   auto setup = required(daemon::open_drive(folder / "drive", {}, {}));
@@ -132,8 +108,7 @@ std::vector<UprightTrial> try_upright(const std::string& map, uint64_t seed) {
 
 void write_upright_table(std::ostream& out, const std::vector<UprightTrial>& trials) {
   out << "| drives | number | tilt, median | maximum | stated sigma, median | at most 0.5° | at "
-         "most "
-         "0.5° or covered |\n|---|---|---|---|---|---|---|\n";
+         "most 0.5° or covered |\n|---|---|---|---|---|---|---|\n";
   const auto row = [&](const std::string& name, auto belongs) {
     std::vector<double> tilts, sigmas;
     size_t upright = 0, covered = 0;
@@ -145,11 +120,11 @@ void write_upright_table(std::ostream& out, const std::vector<UprightTrial>& tri
       covered += t.tilt <= std::max(kAllowed, kQuantile * t.sigma) ? 1 : 0;
     }
     if (tilts.empty()) return;
-    std::sort(tilts.begin(), tilts.end());
-    std::sort(sigmas.begin(), sigmas.end());
+    const double largest = *std::max_element(tilts.begin(), tilts.end());
     const size_t middle = (tilts.size() - 1) / 2;
     out << fmt::format("| {} | {} | {:.2f}° | {:.2f}° | {:.2f}° | {} | {} |\n", name, tilts.size(),
-                       tilts[middle], tilts.back(), sigmas[middle], upright, covered);
+                       nth_smallest(tilts, middle), largest, nth_smallest(sigmas, middle), upright,
+                       covered);
   };
   for (int shape = 0; shape < 3; ++shape) {
     row(kShapes[static_cast<size_t>(shape)],

@@ -62,6 +62,14 @@ simulator::Scenario draw_scenario(uint64_t seed) {
 
 }  // namespace
 
+simulator::LidarOptions roof_lidar(velodyne::Model model, double height) {
+  simulator::LidarOptions lidar;
+  lidar.model = &velodyne::lidar_model(model);
+  lidar.rays_per_pulse = 1;
+  lidar.T_vehicle_lidar.translation() = Eigen::Vector3d(1.0, 0, height);
+  return lidar;
+}
+
 Sweep deskewed_turn(simulator::Simulation& simulation, double time) {
   const simulator::Lidar& lidar = simulation.lidars().front();
   const double half = 0.5 / lidar.options().rate;

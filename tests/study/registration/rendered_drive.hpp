@@ -1,5 +1,6 @@
 #pragma once
 
+#include "drivers/velodyne/velodyne_maker.hpp"
 #include "fixtures/simulator/simulation.hpp"
 #include "tests/study/registration/posed_scan.hpp"
 
@@ -16,6 +17,9 @@ struct RenderOptions {
   bool images = true;  ///< false: sweeps only
   int threads = 2;
 };
+
+/// A lidar on the roof, 1 m ahead of the rear axle and so high, m; one ray for each pulse.
+simulator::LidarOptions roof_lidar(velodyne::Model model, double height);
 
 /// A turn of the first lidar about `time` (s). Every return is moved to where it would have been
 /// measured at that time, by the true motion; the noise of its range is kept.
