@@ -35,7 +35,7 @@ int main(int argc, char** argv) {
   int status = 0;
   add_estimator_commands(app, status);
   add_mapping_commands(app);
-  add_motion_command(app, status);
+  add_motion_command(app);
   add_month_command(app, status);
 #ifdef INFUSE_SIMULATOR
   add_registration_commands(app);

@@ -16,23 +16,21 @@ struct SourcesArguments {
   std::string output = "sources.csv";
 };
 
-int study_sources(SourcesArguments arguments) {
+void study_sources(SourcesArguments arguments) {
   if (arguments.quick) arguments.count = 4;
   if (arguments.consistency) {
     write_consistency(std::cout, arguments.seed, arguments.count);
-    return 0;
+    return;
   }
   const auto all = resume<SourcesTrial>(
       arguments.output, arguments.seed, arguments.count, read_sources_rows, write_sources_header,
       write_sources_row, [](uint64_t seed) { return std::vector{drive_by_sources(seed)}; });
-  if (!all) return 2;
-  write_sources_summary(std::cout, *all);
-  return 0;
+  write_sources_summary(std::cout, all);
 }
 
 }  // namespace
 
-void add_motion_command(CLI::App& app, int& status) {
+void add_motion_command(CLI::App& app) {
   static SourcesArguments arguments;
   CLI::App* command = app.add_subcommand(
       "sources",
@@ -46,7 +44,7 @@ void add_motion_command(CLI::App& app, int& status) {
                     "squared errors over their covariance instead, by combination of sources");
   command->add_option("-o,--output", arguments.output, "rows of all drives; goes on with them")
       ->capture_default_str();
-  command->callback([&status] { status = study_sources(arguments); });
+  command->callback([] { study_sources(arguments); });
 }
 
 }  // namespace infuse::study

@@ -88,14 +88,15 @@ void add_houses_command(CLI::App& app) {
   command->add_option("ROWS", rows, "CSV of the trials; towns in it are not tried again")
       ->required();
   command->add_option("--seed", seed, "of the first town")->capture_default_str();
-  command->add_option("--towns", towns, "number of towns")->capture_default_str();
+  command->add_option("--towns", towns, "number of towns")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 100'000));
   command->add_flag("--quick", quick, "three towns");
   command->callback([] {
     const auto trials = resume<HousesTrial>(
         rows, seed, quick ? 3 : towns, read_houses_trials, write_houses_header, write_houses_trial,
         [](uint64_t town) { return try_other_houses(map, town); });
-    if (!trials) throw CLI::FileError(rows + ": cannot be written");
-    write_houses_table(std::cout, *trials);
+    write_houses_table(std::cout, trials);
   });
 }
 
@@ -111,14 +112,15 @@ void add_upright_command(CLI::App& app) {
   command->add_option("ROWS", rows, "CSV of the trials; drives in it are not tried again")
       ->required();
   command->add_option("--seed", seed, "of the first drive")->capture_default_str();
-  command->add_option("--drives", drives, "number of drives")->capture_default_str();
+  command->add_option("--drives", drives, "number of drives")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 100'000));
   command->add_flag("--quick", quick, "six drives");
   command->callback([] {
     const auto trials = resume<UprightTrial>(rows, seed, quick ? 6 : drives, read_upright_trials,
                                              write_upright_header, write_upright_trial,
                                              [](uint64_t k) { return try_upright(map, k); });
-    if (!trials) throw CLI::FileError(rows + ": cannot be written");
-    write_upright_table(std::cout, *trials);
+    write_upright_table(std::cout, trials);
   });
 }
 

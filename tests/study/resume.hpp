@@ -3,29 +3,25 @@
 #include <algorithm>
 #include <cstdint>
 #include <fstream>
-#include <iostream>
-#include <optional>
+#include <istream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace infuse::study {
 
 /// Tries the seeds from `seed` on. Rows of all trials go to `file`. Seeds that it has are not tried
-/// again: a run that was stopped goes on. Returns all trials of the file; nothing if it cannot be
-/// written.
+/// again: a run that was stopped goes on. Returns all trials of the file. Throws std::runtime_error
+/// if it cannot be written.
 template <class Trial, class Attempt>
-std::optional<std::vector<Trial>> resume(const std::string& file, uint64_t seed, int count,
-                                         std::vector<Trial> (*read)(std::istream&),
-                                         void (*write_header_of)(std::ostream&),
-                                         void (*write)(std::ostream&, const Trial&),
-                                         const Attempt& attempt) {
+std::vector<Trial> resume(const std::string& file, uint64_t seed, int count,
+                          std::vector<Trial> (*read)(std::istream&),
+                          void (*write_header_of)(std::ostream&),
+                          void (*write)(std::ostream&, const Trial&), const Attempt& attempt) {
   std::ifstream before(file);
   std::vector<Trial> all = read(before);
   std::ofstream rows(file, std::ios::app);
-  if (!rows) {
-    std::cerr << "infuse-study: cannot write " << file << '\n';
-    return std::nullopt;
-  }
+  if (!rows) throw std::runtime_error(file + ": cannot be written");
   rows << '\n';  // ends a row whose writing was interrupted
   write_header_of(rows);
   for (uint64_t next = seed; next < seed + static_cast<uint64_t>(count); ++next) {

@@ -13,7 +13,7 @@ void add_estimator_commands(CLI::App& app, int& status);
 void add_mapping_commands(CLI::App& app);
 
 /// Adds the study of odometry on drives whose sources and faults are drawn.
-void add_motion_command(CLI::App& app, int& status);
+void add_motion_command(CLI::App& app);
 
 /// Adds the study of days of the live daemon.
 void add_month_command(CLI::App& app, int& status);
